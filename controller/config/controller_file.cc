@@ -18,10 +18,9 @@ namespace {
 void check_solver(const Node& root, const std::string& key, SolverKind solver) {
   const std::vector<SolverKind> built = available_solvers();
   if (std::find(built.begin(), built.end(), solver) != built.end()) return;
-  std::vector<std::string> names;
-  for (const SolverKind kind : built) names.emplace_back(to_string(kind));
   MapReader(root, key).fail_at("solver", "found '" + std::string(to_string(solver)) +
-                                             "', which this build was made without; it has " + joined(names));
+                                             "', which this build was made without; it has " +
+                                             joined(built, to_string<SolverKind>));
 }
 
 // The place of the deepest part of a dotted key that was written.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -8,7 +7,6 @@
 #include "controller/config/node.h"
 #include "controller/model/robot_model.h"
 #include "controller/params.h"
-#include "controller/step.h"
 
 namespace moma::config {
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -81,21 +82,32 @@ struct Plane {
   double beyond = 0.0;  ///< of that point [m]
 };
 
-/// Planes of the faces of hulls of some of a cloud's points. Those of a face that one hull has from another are not
-/// looked for again, since that asks every point.
+Plane plane_of(const Triangle3& at, const Vertices& cloud, double length) {
+  Plane plane{face_normal(at, length), 0.0};
+  const Vector3& n = plane.normal;
+  plane.offset = std::max({n.dot(at[0]), n.dot(at[1]), n.dot(at[2])});
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double beyond = n.dot(cloud[i]) - plane.offset;
+    if (beyond > plane.beyond) plane.furthest = i, plane.beyond = beyond;
+  }
+  return plane;
+}
+
+/// Planes of the faces of hulls of some of a cloud's points. A plane asks every point, so those of faces that the hull
+/// before had as well are kept.
 class Planes {
  public:
   explicit Planes(const Vertices& cloud) : cloud_(cloud), length_(length_of(cloud)) {}
 
-  /// Of all faces in turn; nothing is beyond that of a sliver.
   std::vector<Plane> of(const ConvexHull& hull) {
     std::vector<Plane> planes;
-    std::map<Key, Plane> known;
+    std::map<std::array<double, 9>, Plane> known;
     for (const Eigen::Vector3i& t : hull.triangles) {
       const Triangle3 at = corners(hull, t);
-      const Key key = key_of(at);
+      std::array<double, 9> key;
+      for (std::size_t i = 0; i < 3; ++i) Eigen::Map<Vector3>{&key[3 * i]} = at[i];
       const auto before = known_.find(key);
-      planes.push_back(before != known_.end() ? before->second : plane(at));
+      planes.push_back(before != known_.end() ? before->second : plane_of(at, cloud_, length_));
       known.emplace(key, planes.back());
     }
     known_ = std::move(known);
@@ -105,28 +117,9 @@ class Planes {
   double length() const { return length_; }
 
  private:
-  using Key = std::array<double, 9>;
-
-  static Key key_of(const Triangle3& t) {
-    Key key{};
-    for (std::size_t i = 0; i < 9; ++i) key[i] = t[i / 3][static_cast<Eigen::Index>(i % 3)];
-    return key;
-  }
-
-  Plane plane(const Triangle3& at) const {
-    Plane plane{face_normal(at, length_), 0.0};
-    const Vector3& n = plane.normal;
-    plane.offset = std::max({n.dot(at[0]), n.dot(at[1]), n.dot(at[2])});
-    for (std::size_t i = 0; i < cloud_.size(); ++i) {
-      const double beyond = n.dot(cloud_[i]) - plane.offset;
-      if (beyond > plane.beyond) plane.furthest = i, plane.beyond = beyond;
-    }
-    return plane;
-  }
-
   const Vertices& cloud_;
   double length_;
-  std::map<Key, Plane> known_;
+  std::map<std::array<double, 9>, Plane> known_;
 };
 
 /// Shortest d with n_f . d >= beyond_f for all faces f of a vertex: Hildreth's dual coordinate ascent.
@@ -169,13 +162,19 @@ double squared_to_segment(const Vector3& p, const Vector3& a, const Vector3& b) 
 
 bool in_one_plane(const std::vector<Vector3>& points) { return !tetrahedron(points); }
 
-ConvexHull convex_hull(const std::vector<Vector3>& points) {
-  if (in_one_plane(points)) throw std::runtime_error("the points lie in one plane");
+std::optional<ConvexHull> convex_hull(const std::vector<Vector3>& points) {
+  if (in_one_plane(points)) return std::nullopt;
   auto cloud = std::make_shared<std::vector<coal::Vec3s>>(points.begin(), points.end());
-  const std::unique_ptr<coal::ConvexBase> base(
-      coal::ConvexBase::convexHull(cloud, static_cast<unsigned>(cloud->size()), true, "Qt"));
+  std::unique_ptr<coal::ConvexBase> base;
+  try {
+    base.reset(coal::ConvexBase::convexHull(cloud, static_cast<unsigned>(cloud->size()), true, "Qt"));
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
   const auto* convex = dynamic_cast<const coal::Convex<coal::Triangle>*>(base.get());
-  if (convex == nullptr) throw std::runtime_error("no triangles");
+  if (convex == nullptr) return std::nullopt;
   ConvexHull hull;
   hull.vertices.assign(convex->points->begin(), convex->points->end());
   const Vector3 centre = mean(hull.vertices);
@@ -193,6 +192,11 @@ ConvexHull convex_hull(const std::vector<Vector3>& points) {
 EnclosingHull enclosing_hull(const std::vector<Vector3>& cloud, int most_vertices) {
   const auto corner = tetrahedron(cloud);
   if (!corner) throw std::runtime_error("the points lie in one plane");
+  const auto hull_of = [](const Vertices& points) {
+    std::optional<ConvexHull> hull = convex_hull(points);
+    if (!hull) throw std::runtime_error("the points have no convex hull with at most 255 faces at each vertex");
+    return *std::move(hull);
+  };
   std::vector<std::size_t> next(corner->begin(), corner->end());
   Vertices chosen;
   EnclosingHull result;
@@ -202,7 +206,7 @@ EnclosingHull enclosing_hull(const std::vector<Vector3>& cloud, int most_vertice
   while (!next.empty()) {
     for (const std::size_t i : next) chosen.push_back(cloud[i]);
     next.clear();
-    inside = convex_hull(chosen);
+    inside = hull_of(chosen);
     planes = faces_of.of(inside);
     const auto worst = std::max_element(planes.begin(), planes.end(),
                                         [](const Plane& a, const Plane& b) { return a.beyond < b.beyond; });
@@ -214,7 +218,7 @@ EnclosingHull enclosing_hull(const std::vector<Vector3>& cloud, int most_vertice
     for (const int vertex : inside.triangles[f]) faces[static_cast<std::size_t>(vertex)].push_back(planes[f]);
   Vertices moved = inside.vertices;
   for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += shortest_way_beyond(faces[i]);
-  result.hull = convex_hull(moved);
+  result.hull = hull_of(moved);
   enclose(result.hull, cloud);
   return result;
 }

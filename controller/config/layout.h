@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,9 +15,9 @@
 
 namespace moma::config {
 
-/// Where each described member stands among the numbers of pack() (describe/numbers.h), for those that read or write
-/// them without C++: docs/reference/process-protocol.md, "Layout", has the keys. A pose stands as its "position" and
-/// "rotation", a member of an optional record `covariance` as "position_covariance". D names the members of T.
+/// Returns the place of each described member among the numbers of pack() (describe/numbers.h), for readers and writers
+/// without C++: docs/reference/process-protocol.md, "Layout", has the keys. A pose becomes its "position" and
+/// "rotation", a member of an optional record `covariance` "position_covariance". D names the members of T.
 template <class T, class D = T>
 nlohmann::ordered_json layout_of(const Lengths& lengths);
 
@@ -31,13 +32,18 @@ Json shape_of(std::size_t count) {
   return Json::array({count});
 }
 
+/// A list of numbers with null for those that are not finite.
+inline Json finite_or_null(std::span<const double> values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(std::isfinite(value) ? Json(value) : Json());
+  return list;
+}
+
 template <class V>
 Json otherwise_of(const V& value) {
   std::array<double, fixed_numbers<V>() + 1> all{};
   pack(value, all.data());
-  Json list = Json::array();
-  for (std::size_t i = 0; i < fixed_numbers<V>(); ++i) list.push_back(std::isfinite(all[i]) ? Json(all[i]) : Json());
-  return list;
+  return finite_or_null({all.data(), fixed_numbers<V>()});
 }
 
 template <class T>

@@ -16,7 +16,7 @@
 
 #include "controller/config/convex_hull.h"
 #include "controller/config/text_file.h"
-#include "controller/model/collada_check.h"
+#include "controller/model/xml_check.h"
 
 namespace moma::config {
 namespace {
@@ -72,17 +72,6 @@ double check_mesh(const fs::path& file) {
   if (has_large_face(text))
     throw std::runtime_error("a face has more than " + std::to_string(kMaxPolygon) + " corners");
   return 1.0;
-}
-
-/// None where too many faces meet in a vertex for coal to count: a disc's rim, cut into triangles from one point.
-std::optional<ConvexHull> exact_hull(const std::vector<Vector3>& cloud) {
-  try {
-    return convex_hull(cloud);
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception&) {
-    return std::nullopt;
-  }
 }
 
 /// Of what coal says of a file, the reason alone: around it are the place in coal's sources and a guess.
@@ -141,7 +130,7 @@ MeshSolid point_solid(std::vector<Vector3> cloud) {
     solid.shape = {ShapeKind::kBox, box.sizes().cwiseMax(1e-3), nullptr};
     return solid;
   }
-  std::optional<ConvexHull> whole = exact_hull(cloud);
+  std::optional<ConvexHull> whole = convex_hull(cloud);
   if (!whole || static_cast<int>(whole->vertices.size()) > kHullVertices) {
     for (const int vertices : {kHullVertices, kMostHullVertices}) {
       const EnclosingHull around = enclosing_hull(whole ? whole->vertices : cloud, vertices);

@@ -7,11 +7,10 @@
 
 namespace moma::config {
 
-/// Vertices of a hull made from a mesh: a query climbs along the hull's edges, so its cost grows with them.
-inline constexpr int kHullVertices = 96;
-inline constexpr int kMostHullVertices = 192;  ///< where kHullVertices are too coarse
-inline constexpr double kHullExcess =
-    2.5e-3;  ///< how far a hull may reach out of the exact one before it gets those [m]
+/// Number of vertices of a mesh's hull, with which the cost of a distance grows; and the larger number for hulls that
+/// would reach further out of the exact one than kHullExcess [m].
+inline constexpr int kHullVertices = 96, kMostHullVertices = 192;
+inline constexpr double kHullExcess = 2.5e-3;
 
 /// A solid made from a mesh, and where it stands in the mesh's frame M.
 struct MeshSolid {
@@ -27,10 +26,9 @@ struct Mesh {
   std::vector<Eigen::Vector3i> triangles;  ///< indices into `vertices`
 };
 
-/// Reads a mesh file (.stl, .dae, .obj; nothing else is tried), scaled; a .dae is in the unit that it names. At least
-/// one vertex, all of them finite; there may be no triangles. Throws std::runtime_error: not a plain file of those
-/// kinds, larger than 64 MiB, of content on which the library that reads meshes would run for minutes or out of its
-/// stack, unreadable, empty, not finite.
+/// Reads a mesh file (.stl, .dae, .obj), scaled; a .dae is in the unit that it names. The result has at least one
+/// vertex, finite ones only, and possibly no triangles. Throws std::runtime_error: not a plain file of those kinds,
+/// larger than 64 MiB, refused by a guard (docs/adr/0011), unreadable, empty, not finite.
 Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale);
 
 /// Convex hull of points (one or more, finite), in a frame at the centre of their bounding box. A hull of more than

@@ -83,7 +83,4 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
 /// " (did you mean WORD?)", or "" where none of `known` is near to `word`.
 std::string suggestion(std::string_view word, const std::vector<std::string>& known);
 
-/// "a, b, c".
-std::string joined(const std::vector<std::string>& words);
-
 }  // namespace moma::config

@@ -1,5 +1,7 @@
 #include "controller/config/package_path.h"
 
+#include "controller/describe/enumeration.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
@@ -57,14 +59,14 @@ fs::path PackagePaths::resolve(const std::string& uri, const fs::path& directory
   const std::string name = rest.substr(0, slash);
   const fs::path inside = rest.substr(slash + 1);
 
-  std::string looked;
+  std::vector<std::string> looked;
   fs::path found;
   const auto look = [&](const fs::path& package, bool report) {
     if (is_file(package / inside)) {
       found = package / inside;
       return true;
     }
-    if (report) looked += (looked.empty() ? "" : ", ") + package.string();
+    if (report) looked.push_back(package.string());
     return false;
   };
 
@@ -88,8 +90,8 @@ fs::path PackagePaths::resolve(const std::string& uri, const fs::path& directory
       for (const fs::path& share : wheel_shares(at))
         if (look(share / name, true)) return found;
   }
-  throw std::runtime_error("cannot find '" + uri + "'; looked for package " + name + " in " +
-                           (looked.empty() ? "" : looked + ", ") + "the folders above " +
+  throw std::runtime_error("cannot find '" + uri + "'; looked for package " + name + " in " + joined(looked) +
+                           (looked.empty() ? "" : ", ") + "the folders above " +
                            (directory.empty() ? std::string("the working directory") : directory.string()) +
                            "; name its folder under `packages` or in MOMA_PACKAGE_PATH");
 }

@@ -7,10 +7,10 @@
 
 namespace moma::config {
 
-/// Where package://NAME/... is looked for: the folders named in the robot file, then MOMA_PACKAGE_PATH (folders
-/// separated by colons, each holding NAME), then a folder NAME beside or above the file that asks, then
-/// .venv/lib/python3*/site-packages/cmeel.prefix/share/NAME beside or above that file, the working directory or
-/// the program.
+/// Search path of package://NAME/...: the folders named in the robot file; MOMA_PACKAGE_PATH (folders separated by
+/// colons, each holding NAME); a folder NAME beside or above the file that asks;
+/// .venv/lib/python3*/site-packages/cmeel.prefix/share/NAME beside or above that file, the working directory or the
+/// program.
 class PackagePaths {
  public:
   PackagePaths() = default;

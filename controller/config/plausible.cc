@@ -34,63 +34,55 @@ constexpr Usual kJointTravel{-5.0, 5.0, "m"};
 constexpr Usual kJointSpeed{0.01, 40.0, "rad/s"};
 constexpr Usual kJointTravelSpeed{0.001, 5.0, "m/s"};
 
-class UnitCheck {
- public:
-  explicit UnitCheck(std::vector<std::string>& out) : out_(out) {}
+using Sentences = std::vector<std::string>;
 
-  void look(const std::string& what, double value, const Usual& usual, const char* hint = "",
-            const char* whose = "robots") {
-    if (std::string text = unusual(what, value, usual, hint, whose); !text.empty()) out_.push_back(std::move(text));
-  }
-  void say(std::string text) { out_.push_back(std::move(text)); }
-
- private:
-  std::vector<std::string>& out_;
-};
+void look(Sentences& out, const std::string& what, double value, const Usual& usual, const char* hint = "",
+          const char* whose = "robots") {
+  if (std::string text = unusual(what, value, usual, hint, whose); !text.empty()) out.push_back(std::move(text));
+}
 
 /// Every `rpy` below `json`, by its key.
-void look_at_angles(UnitCheck& check, const ordered_json& json, const std::string& key) {
+void look_at_angles(Sentences& out, const ordered_json& json, const std::string& key) {
   if (json.is_array()) {
     for (std::size_t i = 0; i < json.size(); ++i)  // a mesh has thousands of plain numbers
-      if (json[i].is_structured()) look_at_angles(check, json[i], key + "." + std::to_string(i));
+      if (json[i].is_structured()) look_at_angles(out, json[i], key + "." + std::to_string(i));
     return;
   }
   if (!json.is_object()) return;
   for (const auto& [name, value] : json.items()) {
     const std::string here = key.empty() ? name : key + "." + name;
     if (name != "rpy") {
-      look_at_angles(check, value, here);
+      look_at_angles(out, value, here);
       continue;
     }
     for (const auto& angle : value)
-      if (angle.is_number()) check.look(here, angle.get<double>(), kAngle, ": degrees?");
+      if (angle.is_number()) look(out, here, angle.get<double>(), kAngle, ": degrees?");
   }
 }
 
-void look_at_base(UnitCheck& check, const MobileBase& base) {
-  for (const double part : base.X_BM.translation()) check.look("base.mount.position", part, kMount, ": millimetres?");
+void look_at_base(Sentences& out, const MobileBase& base) {
+  for (const double part : base.X_BM.translation()) look(out, "base.mount.position", part, kMount, ": millimetres?");
   if (base.wheels) {
-    check.look("base.wheels.radius", base.wheels->radius, kWheelRadius);
-    check.look("base.wheels.separation", base.wheels->separation, kWheelDistance);
-    if (base.wheels->wheelbase > 0.0) check.look("base.wheels.wheelbase", base.wheels->wheelbase, kWheelDistance);
-    check.look("base.wheels.max_speed", base.wheels->max_speed, kWheelSpeed);
+    look(out, "base.wheels.radius", base.wheels->radius, kWheelRadius);
+    look(out, "base.wheels.separation", base.wheels->separation, kWheelDistance);
+    if (base.wheels->wheelbase > 0.0) look(out, "base.wheels.wheelbase", base.wheels->wheelbase, kWheelDistance);
+    look(out, "base.wheels.max_speed", base.wheels->max_speed, kWheelSpeed);
   }
   if (base.max_linear > 0.0) {
     const double by_wheels = base.wheels ? 1.001 * base.wheels->radius * base.wheels->max_speed : kSpeed.high;
-    if (base.max_linear > by_wheels) {
-      check.look("base.max_linear", base.max_linear, {0.0, by_wheels, "m/s"}, " by radius x max_speed", "these wheels");
-    } else {
-      check.look("base.max_linear", base.max_linear, kSpeed);
-    }
-    check.look("base.max_angular", base.max_angular, kTurning, ": degrees?");
-    check.look("base.max_acceleration", base.max_acceleration.x(), kAcceleration);
-    check.look("base.max_acceleration", base.max_acceleration.y(), kTurningAcceleration, ": degrees?");
+    if (base.max_linear > by_wheels)
+      look(out, "base.max_linear", base.max_linear, {0.0, by_wheels, "m/s"}, " by radius x max_speed", "these wheels");
+    else
+      look(out, "base.max_linear", base.max_linear, kSpeed);
+    look(out, "base.max_angular", base.max_angular, kTurning, ": degrees?");
+    look(out, "base.max_acceleration", base.max_acceleration.x(), kAcceleration);
+    look(out, "base.max_acceleration", base.max_acceleration.y(), kTurningAcceleration, ": degrees?");
   }
-  if (base.mass > 0.0) check.look("base.footprint.mass", base.mass, kBaseMass, ": grams?");
+  if (base.mass > 0.0) look(out, "base.footprint.mass", base.mass, kBaseMass, ": grams?");
 }
 
 /// A body's principal moments of inertia are positive, and none is more than the other two together. Files round them.
-void look_at_inertia(UnitCheck& check, const Link& link) {
+void look_at_inertia(Sentences& out, const Link& link) {
   constexpr double kRounding = 0.05;
   const Matrix3& I = link.inertial->I_C;
   if (I.isZero(0.0)) return;
@@ -103,12 +95,12 @@ void look_at_inertia(UnitCheck& check, const Link& link) {
   text.precision(4);
   text << "link " << link.name << ": inertia: its principal moments, " << moments[0] << ", " << moments[1] << " and "
        << moments[2] << " kg m^2, are those of no body: none is negative, and none is more than the other two together";
-  check.say(text.str());
+  out.push_back(text.str());
 }
 
 // Height of the base's own shapes over the floor. The footprint is the first of them, where the file has one; wheels,
 // which always stand on the floor, follow.
-void look_at_footprint(UnitCheck& check, const RobotModel& model, const ordered_json& resolved) {
+void look_at_footprint(Sentences& out, const RobotModel& model, const ordered_json& resolved) {
   const bool footprint = resolved.contains("base") && resolved["base"].contains("footprint");
   double lowest = std::numeric_limits<double>::infinity();
   for (const CollisionShape& shape : model.shapes) {
@@ -116,7 +108,7 @@ void look_at_footprint(UnitCheck& check, const RobotModel& model, const ordered_
     lowest = std::min(lowest, lowest_point(shape.shape, shape.X_LS));
     if (footprint) break;
   }
-  check.look("base.footprint: its lowest point", lowest, kLowest, ": in the floor, or over it?");
+  look(out, "base.footprint: its lowest point", lowest, kLowest, ": in the floor, or over it?");
 }
 
 }  // namespace
@@ -131,33 +123,32 @@ std::string unusual(const std::string& what, double value, const Usual& usual, c
 }
 
 std::vector<std::string> implausible(const RobotModel& model, const ordered_json& resolved) {
-  std::vector<std::string> out;
-  UnitCheck check(out);
-  look_at_angles(check, resolved, "");
-  look_at_base(check, model.base);
-  look_at_footprint(check, model, resolved);
-  check.look("arm.tool: its distance from the tip", model.X_TE.translation().norm(), kTool, ": millimetres?");
+  Sentences out;
+  look_at_angles(out, resolved, "");
+  look_at_base(out, model.base);
+  look_at_footprint(out, model, resolved);
+  look(out, "arm.tool: its distance from the tip", model.X_TE.translation().norm(), kTool, ": millimetres?");
   for (std::size_t l = 2; l < model.links.size(); ++l) {  // the root hangs at the mount
     const Link& link = model.links[l];
-    check.look("joint " + link.joint + ": the way from its parent's", link.X_PJ.translation().norm(), kLinkLength,
-               ": millimetres?");
+    look(out, "joint " + link.joint + ": the way from its parent's", link.X_PJ.translation().norm(), kLinkLength,
+         ": millimetres?");
   }
   for (const Link& link : model.links) {
     if (!link.inertial) continue;
-    check.look("link " + link.name + ": mass", link.inertial->mass, kLinkMass, ": grams?");
-    look_at_inertia(check, link);
+    look(out, "link " + link.name + ": mass", link.inertial->mass, kLinkMass, ": grams?");
+    look_at_inertia(out, link);
   }
   for (const ControlledJoint& joint : model.joints) {
     const bool slides = joint.type == JointType::kPrismatic;
     for (const double limit : {joint.lower, joint.upper})
       if (std::isfinite(limit))
-        check.look("joint " + joint.name + ": limit", limit, slides ? kJointTravel : kJointAngle,
-                   slides ? ": millimetres?" : ": degrees?");
-    check.look("joint " + joint.name + ": velocity", joint.velocity, slides ? kJointTravelSpeed : kJointSpeed,
-               slides ? ": millimetres?" : ": degrees?");
+        look(out, "joint " + joint.name + ": limit", limit, slides ? kJointTravel : kJointAngle,
+             slides ? ": millimetres?" : ": degrees?");
+    look(out, "joint " + joint.name + ": velocity", joint.velocity, slides ? kJointTravelSpeed : kJointSpeed,
+         slides ? ": millimetres?" : ": degrees?");
   }
   for (const CollisionShape& shape : model.shapes)
-    check.look("shape " + shape.name + ": size", shape.shape.size.cwiseAbs().maxCoeff(), kShapeSize, ": millimetres?");
+    look(out, "shape " + shape.name + ": size", shape.shape.size.cwiseAbs().maxCoeff(), kShapeSize, ": millimetres?");
   return out;
 }
 

@@ -8,7 +8,7 @@
 
 namespace moma::config {
 
-/// What a value is expected to be, generously.
+/// Usual range of a value, with generous bounds.
 struct Usual {
   double low = 0.0;
   double high = 0.0;
@@ -20,10 +20,9 @@ struct Usual {
 std::string unusual(const std::string& what, double value, const Usual& usual, const char* hint = "",
                     const char* whose = "robots");
 
-/// What of a robot is allowed but looks like another unit (degrees for radians, millimetres for metres), or like no
-/// robot (inertia of no body, a footprint in the floor, wheels too slow for the base's speed): a sentence for each,
-/// with the value, what is usual and the unit. `resolved` is the robot's resolved form, whose angles are still as they
-/// were written.
+/// Returns a sentence, with value, usual range and unit, for each value that is allowed but looks like another unit
+/// (degrees, millimetres) or like no robot (inertia of no body, a footprint in the floor, wheels too slow for the
+/// base's speed). `resolved`, the robot's resolved form, has its angles as they were written.
 std::vector<std::string> implausible(const RobotModel& model, const nlohmann::ordered_json& resolved);
 
 }  // namespace moma::config

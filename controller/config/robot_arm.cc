@@ -7,10 +7,25 @@
 
 #include "controller/config/json_node.h"
 #include "controller/config/node.h"
+#include "controller/config/read_described.h"
 #include "controller/config/robot_build.h"
+#include "controller/config/write_described.h"
 
 namespace moma::config {
 namespace {
+
+/// `limits` of a joint.
+struct JointLimits {
+  std::optional<double> lower, upper, velocity, effort;
+};
+
+constexpr void describe(auto& v, Of<JointLimits>) {
+  using T = JointLimits;
+  v.member("lower", &T::lower, {.unit = "rad or m"});
+  v.member("upper", &T::upper, {.unit = "rad or m"});
+  v.member("velocity", &T::velocity, {.unit = "rad/s or m/s", .range = Range::positive()});
+  v.member("effort", &T::effort, {.unit = "Nm or N", .range = Range::non_negative()});
+}
 
 /// Floating and planar joints are taken as fixed.
 JointType type_of(UrdfJointType type) { return from_string<JointType>(to_string(type)).value_or(JointType::kFixed); }
@@ -57,6 +72,11 @@ class ArmReader {
   const UrdfJoint& joint_of(int link) const { return build_.tree.links[static_cast<std::size_t>(link) - 1].joint; }
   Link& link_at(int link) { return model_.links[static_cast<std::size_t>(link)]; }
 
+  static std::string near_or_all(const std::string& word, const char* all, const std::vector<std::string>& names) {
+    const std::string near = suggestion(word, names);
+    return near.empty() ? all + joined(names) : near;
+  }
+
   // Index of the link that a movable joint moves; an error that names the movable joints otherwise.
   int movable(const MapReader& in, const std::string& joint) const {
     std::vector<std::string> names;
@@ -65,9 +85,7 @@ class ArmReader {
       if (model_.links[i].joint == joint) return static_cast<int>(i);
       names.push_back(model_.links[i].joint);
     }
-    const std::string near = suggestion(joint, names);
-    in.fail_key(joint,
-                "the URDF has no movable joint of this name" + (near.empty() ? "; it has: " + joined(names) : near));
+    in.fail_key(joint, "the URDF has no movable joint of this name" + near_or_all(joint, "; it has: ", names));
   }
 
   void read_tip() {
@@ -78,9 +96,8 @@ class ArmReader {
     if (model_.tip < 1) {
       std::vector<std::string> names;
       for (const UrdfLink& link : build_.tree.links) names.push_back(link.name);
-      const std::string near = suggestion(tip, names);
-      in_.fail_at("tip", "found '" + tip + "', which is no link of the URDF" +
-                             (near.empty() ? "; its links: " + joined(names) : near));
+      in_.fail_at("tip",
+                  "found '" + tip + "', which is no link of the URDF" + near_or_all(tip, "; its links: ", names));
     }
     written_["tip"] = tip;
     if (const Node* tool = in_.get("tool")) {
@@ -138,35 +155,30 @@ class ArmReader {
       }
     }
     limits.finish();
-    if (!lacking_.empty()) fail(lacking_at_, lacking_key_, "the URDF gives " + lacking_);
+    if (!lacking_.empty()) fail(lacking_at_, lacking_key_, "the URDF gives " + joined(lacking_, {}, "; "));
     if (model_.joints.empty())
       in_.fail_at("tip", "no joint is left to control between the root and " + link_at(model_.tip).name);
     if (model_.num_joints() > kMaxJoints)
       in_.fail("more than " + std::to_string(kMaxJoints) + " joints to control; hold some with `locked`");
   }
 
-  struct Limit {
+  struct MissingLimit {
     const char* key;
     std::string unit;
   };
 
   // All that is missing is said at once, at the place of the first.
-  void lacks(const ControlledJoint& joint, const std::vector<Limit>& without, const std::string& where,
+  void lacks(const ControlledJoint& joint, const std::vector<MissingLimit>& missing, const std::string& where,
              const Mark& at) {
-    std::string names, map;
-    std::vector<std::string> units;
-    for (const auto& [key, unit] : without) {
-      names += (names.empty() ? "" : ", ") + std::string(key);
-      map += (map.empty() ? "" : ", ") + std::string(key) + ": ...";
-      if (units.empty() || units.back() != unit) units.push_back(unit);
-    }
     if (lacking_.empty()) {
       lacking_at_ = at;
       lacking_key_ = where;
     }
-    lacking_ += (lacking_.empty() ? "" : "; ") + std::string(to_string(joint.type)) + " joint " + joint.name + " no " +
-                names + ": give " + where + ": {" + map + "} in " + units.front() +
-                (units.size() > 1 ? ", " + units.back() : "");
+    const std::string first = missing.front().unit, last = missing.back().unit;
+    lacking_.push_back(std::string(to_string(joint.type)) + " joint " + joint.name + " no " +
+                       joined(missing, &MissingLimit::key) + ": give " + where + ": {" +
+                       joined(missing, [](const MissingLimit& limit) { return limit.key + std::string(": ..."); }) +
+                       "} in " + first + (last != first ? ", " + last : ""));
   }
 
   void add_joint(MapReader& limits, int link) {
@@ -175,81 +187,62 @@ class ArmReader {
     joint.name = source.name;
     joint.type = type_of(source.type);
     joint.link = link;
-    std::optional<double> lower = source.lower;
-    std::optional<double> upper = source.upper;
-    std::optional<double> velocity = source.velocity.value_or(0.0) > 0.0 ? source.velocity : std::nullopt;
-    std::optional<double> effort = source.effort;
-    if (const Node* node = limits.get(joint.name)) {
-      MapReader in(*node, limits.key_of(joint.name));
-      const auto read = [&](const char* name, std::optional<double>& value, const Range& range) {
-        if (const Node* given = in.get(name)) value = read_number(*given, in.key_of(name), range);
-      };
-      read("lower", lower, Range::any());
-      read("upper", upper, Range::any());
-      read("velocity", velocity, Range::positive());
-      read("effort", effort, Range::non_negative());
-      in.finish();
-      // A continuous joint that is given limits is a revolute one from here on.
-      if (joint.type == JointType::kContinuous && lower && upper) joint.type = JointType::kRevolute;
-    }
+    JointLimits limit{source.lower, source.upper, source.velocity.value_or(0.0) > 0.0 ? source.velocity : std::nullopt,
+                      source.effort};
     const std::string where = limits.key_of(joint.name);
     const Node* given = limits.get(joint.name);
+    if (given != nullptr) read_described(*given, where, limit);
     const Mark at = given != nullptr ? given->mark : in_.mark();
-    const auto refuse = [&](const std::string& message) { fail(at, where, message); };
+    // A continuous joint that is given limits is a revolute one from here on.
+    if (joint.type == JointType::kContinuous && limit.lower && limit.upper) joint.type = JointType::kRevolute;
     const bool continuous = joint.type == JointType::kContinuous;
-    if (continuous && (lower || upper)) refuse("a continuous joint takes both lower and upper, or neither");
+    if (continuous && (limit.lower || limit.upper))
+      fail(at, where, "a continuous joint takes both lower and upper, or neither");
     const std::string unit = unit_of(joint.type);
-    std::vector<Limit> without;
-    if (!continuous && !lower) without.push_back({"lower", unit});
-    if (!continuous && !upper) without.push_back({"upper", unit});
-    if (!velocity) without.push_back({"velocity", unit + "/s"});
-    if (!without.empty()) return lacks(joint, without, where, at);
+    std::vector<MissingLimit> missing;
+    if (!continuous && !limit.lower) missing.push_back({"lower", unit});
+    if (!continuous && !limit.upper) missing.push_back({"upper", unit});
+    if (!limit.velocity) missing.push_back({"velocity", unit + "/s"});
+    if (!missing.empty()) return lacks(joint, missing, where, at);
     if (!continuous) {
-      if (!(*lower < *upper)) {
-        refuse("lower " + number_to_json(*lower).dump() + " is not below upper " + number_to_json(*upper).dump() +
-               "; correct it with " + where + ": {lower: ..., upper: ...}");
-      }
-      joint.lower = *lower;
-      joint.upper = *upper;
+      joint.lower = *limit.lower;
+      joint.upper = *limit.upper;
+      if (!(joint.lower < joint.upper))
+        fail(at, where,
+             "lower " + number_to_json(joint.lower).dump() + " is not below upper " +
+                 number_to_json(joint.upper).dump() + "; correct it with " + where + ": {lower: ..., upper: ...}");
       link_at(link).joint_type = joint.type;
     }
-    if (!effort || !(*effort > 0.0)) {
+    limit.effort = std::max(0.0, limit.effort.value_or(0.0));
+    if (!(limit.effort > 0.0))
       build_.warnings.push_back("joint " + joint.name + ": no effort limit is known, so " + where +
                                 ".effort is needed for physics with motors");
-    }
-    joint.velocity = *velocity;
-    joint.effort = effort ? std::max(0.0, *effort) : 0.0;
+    joint.velocity = *limit.velocity;
+    joint.effort = *limit.effort;
     link_at(link).controlled = model_.num_joints();
-    nlohmann::ordered_json& out = as_object(as_object(written_["limits"])[joint.name]);
-    if (joint.type != JointType::kContinuous) out = {{"lower", joint.lower}, {"upper", joint.upper}};
-    out["velocity"] = joint.velocity;
-    out["effort"] = joint.effort;
+    as_object(written_["limits"])[joint.name] = write_described(limit);
     model_.joints.push_back(std::move(joint));
   }
 
   void read_ready() {
-    const int n = model_.num_joints();
-    model_.ready = VectorX::Zero(n);
-    if (const Node* node = in_.get("ready")) {
-      const std::vector<double> values = read_numbers(*node, in_.key_of("ready"), n);
-      for (int i = 0; i < n; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        const ControlledJoint& joint = model_.joints[k];
-        model_.ready[i] = values[k];
-        if (values[k] < joint.lower || values[k] > joint.upper) {
-          fail(node->items[k].mark, in_.key_of("ready") + "[" + std::to_string(i) + "]",
-               "found " + node->items[k].scalar + ", outside the limits of joint " + joint.name + ", " +
-                   number_to_json(joint.lower).dump() + " to " + number_to_json(joint.upper).dump());
-        }
-      }
+    const std::string key = in_.key_of("ready");
+    const Node* node = in_.get("ready");
+    std::vector<double> values;
+    if (node != nullptr) {
+      values = read_numbers(*node, key, model_.num_joints());
     } else {
-      for (int i = 0; i < n; ++i) {
-        const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
-        model_.ready[i] = std::clamp(0.0, joint.lower, joint.upper);
-      }
-      build_.warnings.push_back(in_.key_of("ready") + ": not given, so every joint is at 0 or its nearest limit");
+      for (const ControlledJoint& joint : model_.joints) values.push_back(std::clamp(0.0, joint.lower, joint.upper));
+      build_.warnings.push_back(key + ": not given, so every joint is at 0 or its nearest limit");
     }
-    written_["ready"] = to_json_list(model_.ready);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const ControlledJoint& joint = model_.joints[i];
+      if (values[i] < joint.lower || values[i] > joint.upper)
+        fail(node->items[i].mark, key + "[" + std::to_string(i) + "]",
+             "found " + node->items[i].scalar + ", outside the limits of joint " + joint.name + ", " +
+                 number_to_json(joint.lower).dump() + " to " + number_to_json(joint.upper).dump());
+    }
+    model_.ready = Eigen::Map<const VectorX>(values.data(), model_.num_joints());
+    written_["ready"] = description::list_to_json(values);
   }
 
   // Value of a joint that is not driven: locked, or 0 within its limits, or what the joint it mimics makes of it.
@@ -306,8 +299,8 @@ class ArmReader {
   RobotModel& model_;
   MapReader in_;
   nlohmann::ordered_json& written_;
-  std::map<int, double> locked_;  // by link
-  std::string lacking_;           // of the URDF's limits, in words; with the place of the first
+  std::map<int, double> locked_;      // by link
+  std::vector<std::string> lacking_;  // limits, one text for each joint; with the place of the first
   std::string lacking_key_;
   Mark lacking_at_;
 };

@@ -1,20 +1,28 @@
-#include <string>
-#include <string_view>
-#include <vector>
+#include <array>
+#include <optional>
 
 #include "controller/config/json_node.h"
+#include "controller/config/read_described.h"
 #include "controller/config/robot_build.h"
 #include "controller/config/robot_file.h"
+#include "controller/config/write_described.h"
 #include "controller/model/base_kind.h"
 
 namespace moma::config {
 namespace {
 
-Vector3 read_vector(MapReader& in, std::string_view name, const Vector3& otherwise) {
-  const Node* node = in.get(name);
-  if (node == nullptr) return otherwise;
-  const std::vector<double> v = read_numbers(*node, in.key_of(name), 3);
-  return {v[0], v[1], v[2]};
+struct WrittenPose {
+  Vector3 position = Vector3::Zero();
+  Vector3 rpy = Vector3::Zero();
+  std::optional<std::array<double, 9>> rotation;  // row by row, in place of rpy
+};
+
+constexpr void describe(auto& v, Of<WrittenPose>) {
+  using T = WrittenPose;
+  v.member("position", &T::position, {.unit = "m"});
+  v.written_where([](const T& pose) { return !pose.rotation; },
+                  [](auto& g) { g.member("rpy", &T::rpy, {.unit = "rad"}); });
+  v.member("rotation", &T::rotation, {});
 }
 
 void read_wheels(MapReader& base, MobileBase& model, nlohmann::ordered_json& written) {
@@ -49,31 +57,19 @@ Matrix3 rotation_of(const Vector3& rpy) {
       .toRotationMatrix();
 }
 
-nlohmann::ordered_json to_json_list(const Eigen::Ref<const VectorX>& values) {
-  auto list = nlohmann::ordered_json::array();
-  for (const double value : values) list.push_back(number_to_json(value));
-  return list;
-}
-
 Isometry read_pose(MapReader& in, nlohmann::ordered_json& written) {
-  written = nlohmann::ordered_json::object();
+  WrittenPose pose;
+  read_members(in, pose);
+  in.check(in.get("rpy") == nullptr || !pose.rotation, "rotation", "give `rpy` or `rotation`, not both");
   Isometry X = Isometry::Identity();
-  X.translation() = read_vector(in, "position", Vector3::Zero());
-  written["position"] = to_json_list(X.translation());
-  const Node* rpy = in.get("rpy");
-  const Node* matrix = in.get("rotation");
-  in.check(rpy == nullptr || matrix == nullptr, "rotation", "give `rpy` or `rotation`, not both");
-  if (matrix != nullptr) {
-    const std::vector<double> r = read_numbers(*matrix, in.key_of("rotation"), 9);
-    X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.data());
+  X.translation() = pose.position;
+  X.linear() = rotation_of(pose.rpy);
+  if (pose.rotation) {
+    X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose.rotation->data());
     const double defect = (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();
     in.check(defect < 1e-9 && X.linear().determinant() > 0.0, "rotation", "these nine numbers are no rotation matrix");
-    written["rotation"] = to_json_list(Eigen::Map<const VectorX>(r.data(), 9));
-  } else {
-    const Vector3 angles = read_vector(in, "rpy", Vector3::Zero());
-    X.linear() = rotation_of(angles);
-    written["rpy"] = to_json_list(angles);
   }
+  written = write_described(pose);
   return X;
 }
 
@@ -97,15 +93,13 @@ void read_base(MapReader& robot, RobotBuild& build) {
   }
   in.read("max_linear", base.max_linear, Range::positive());
   in.read("max_angular", base.max_angular, Range::positive());
-  if (const Node* acceleration = in.get("max_acceleration")) {
-    const auto a = read_numbers(*acceleration, in.key_of("max_acceleration"), 2, Range::positive());
-    base.max_acceleration = Vector2(a[0], a[1]);
-  }
+  if (const Node* a = in.get("max_acceleration"))
+    base.max_acceleration = Vector2(read_numbers(*a, in.key_of("max_acceleration"), 2, Range::positive()).data());
   read_wheels(in, base, written);
   if (mobile) {
     written["max_linear"] = base.max_linear;
     written["max_angular"] = base.max_angular;
-    written["max_acceleration"] = to_json_list(base.max_acceleration);
+    written["max_acceleration"] = description::list_to_json(numbers_of(base.max_acceleration));
   } else {
     if (base.max_linear > 0.0 || base.max_angular > 0.0 || base.wheels)
       build.warnings.emplace_back("base: speeds and wheels are left aside, since its type is fixed");

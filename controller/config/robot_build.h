@@ -43,16 +43,13 @@ void read_sensors(MapReader& robot, RobotBuild& build);
 /// resolved robots use. `written` gets what reads back to the same bits.
 Isometry read_pose(MapReader& in, nlohmann::ordered_json& written);
 
-/// `[1, 2, 3]` as JSON.
-nlohmann::ordered_json to_json_list(const Eigen::Ref<const VectorX>& values);
-
 /// All pairs of shapes that a controlled joint can move against each other, those of adjacent links left out; in order.
 std::vector<SelfPair> movable_pairs(const RobotModel& model);
 
-/// Pairs of shapes whose contact counts, by the rules of `self: auto` (see robots.md): of all pairs that can
-/// move against each other, without adjacent links, pairs in touch at `ready` and pairs within `stop` in a fifth or
-/// more of 1,000 sampled configurations; pairs that no sample brings within 0.1 m get no row. Same model, same pairs.
-/// What is left out is noted; a warning, where links far from each other in the chain touch at `ready`.
+/// Returns the pairs of shapes whose contact counts, by the rules of `self: auto` (robots.md): movable_pairs() without
+/// those that touch at `ready`, telescope, or are within `stop` in a fifth or more of 1,000 sampled configurations.
+/// Pairs that no sample brings within 0.1 m get no row. Same model, same pairs. Adds a note for what is left out, and a
+/// warning if links far from each other in the chain touch at `ready`.
 std::vector<SelfPair> find_self_pairs(const RobotModel& model, double stop, std::vector<std::string>& notes,
                                       std::vector<std::string>& warnings);
 

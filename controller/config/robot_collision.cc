@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <map>
 #include <memory>
-#include <new>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,29 +14,28 @@
 #include "controller/config/node.h"
 #include "controller/config/object_file.h"
 #include "controller/config/robot_build.h"
+#include "controller/config/write_described.h"
 #include "controller/model/proximity.h"
 
 namespace moma::config {
 namespace {
 
+// Unlike write_shape(), with the coordinates of a hull in one list.
 nlohmann::ordered_json shape_to_json(const RobotModel& model, const CollisionShape& shape) {
-  nlohmann::ordered_json json{{"link", model.links[static_cast<std::size_t>(shape.link)].name},
-                              {"shape", std::string(to_string(shape.shape.kind))}};
+  nlohmann::ordered_json json{{"link", model.link(shape.link).name}, {"shape", to_string(shape.shape.kind)}};
   if (shape.shape.hull) {
     auto& vertices = json["vertices"] = nlohmann::ordered_json::array();
     auto& triangles = json["triangles"] = nlohmann::ordered_json::array();
-    for (const Vector3& v : shape.shape.hull->vertices)
-      for (const double x : v) vertices.push_back(x);
+    for (const Vector3& v : shape.shape.hull->vertices) vertices.insert(vertices.end(), {v.x(), v.y(), v.z()});
     for (const Eigen::Vector3i& t : shape.shape.hull->triangles)
-      for (const int i : t) triangles.push_back(i);
+      triangles.insert(triangles.end(), {t.x(), t.y(), t.z()});
   } else {
-    const int count = num_sizes(shape.shape.kind);
-    json["size"] = to_json_list(shape.shape.size.head(count));
+    const auto count = static_cast<std::size_t>(num_sizes(shape.shape.kind));
+    json["size"] = description::list_to_json({shape.shape.size.data(), count});
   }
-  json["position"] = to_json_list(shape.X_LS.translation());
-  auto& rotation = json["rotation"] = nlohmann::ordered_json::array();
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) rotation.push_back(shape.X_LS.linear()(r, c));
+  json["position"] = description::list_to_json(numbers_of(Vector3(shape.X_LS.translation())));
+  const Matrix3 transposed = shape.X_LS.linear().transpose();  // row by row
+  json["rotation"] = description::list_to_json({transposed.data(), 9});
   return json;
 }
 
@@ -67,7 +66,7 @@ class CollisionReader {
  private:
   void add(int link, const Shape& shape, const Isometry& X_LS) {
     CollisionShape added;
-    const std::string& name = model_.links[static_cast<std::size_t>(link)].name;
+    const std::string& name = model_.link(link).name;
     const int number = ++count_[link];
     added.name = number == 1 ? name : name + "/" + std::to_string(number);
     added.link = link;
@@ -196,11 +195,7 @@ class CollisionReader {
                                      text.data() + " mm");
             }
             add(link, at->second.shape, geometry.X_LS * at->second.X_MS);
-          } catch (const ConfigError&) {
-            throw;
-          } catch (const std::bad_alloc&) {
-            throw;
-          } catch (const std::exception& e) {
+          } catch (const std::runtime_error& e) {
             in.fail_at("from", "link " + source.name + ": " + e.what());
           }
         }
@@ -264,9 +259,7 @@ class CollisionReader {
       bool moves = false;
       for (const int a : shapes_named(item.items[0], at)) {
         for (const int b : shapes_named(item.items[1], at)) {
-          if (!can_move_against(model_, model_.shapes[static_cast<std::size_t>(a)].link,
-                                model_.shapes[static_cast<std::size_t>(b)].link))
-            continue;
+          if (!can_move_against(model_, model_.shape(a).link, model_.shape(b).link)) continue;
           moves = true;
           chosen.insert(std::minmax(a, b));
         }
@@ -276,8 +269,8 @@ class CollisionReader {
     const Kinematics at_ready(std::make_shared<RobotModel>(model_));
     for (const auto& [a, b] : chosen) {
       model_.self_pairs.push_back({a, b, true});
-      const CollisionShape& first = model_.shapes[static_cast<std::size_t>(a)];
-      const CollisionShape& second = model_.shapes[static_cast<std::size_t>(b)];
+      const CollisionShape& first = model_.shape(a);
+      const CollisionShape& second = model_.shape(b);
       if (shape_distance(first.shape, at_ready.X_WS(first), second.shape, at_ready.X_WS(second)).d <= 0.0)
         build_.warnings.push_back("self-collision at `ready`: " + first.name + " and " + second.name);
     }

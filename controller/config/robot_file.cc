@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <map>
-#include <new>
 #include <numbers>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -78,9 +78,7 @@ void read_urdf_of(MapReader& robot, RobotBuild& build) {
       build.urdf_directory = file.parent_path();
       name = file.string();
       text = read_text_file(file);
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& e) {
+    } catch (const std::runtime_error& e) {
       robot.fail_at("urdf", e.what());
     }
   }
@@ -173,9 +171,7 @@ std::vector<UrdfCollision> load_urdf_collision(const std::filesystem::path& robo
     if (!geometry.mesh.empty()) {
       try {
         element.surface = read_mesh(build.packages.resolve(geometry.mesh, build.urdf_directory), geometry.scale);
-      } catch (const std::bad_alloc&) {
-        throw;
-      } catch (const std::exception& e) {
+      } catch (const std::runtime_error& e) {
         robot.fail_at("urdf", "link " + link + ": " + e.what());
       }
     }

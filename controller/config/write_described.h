@@ -27,7 +27,7 @@ void write_members(const T& value, nlohmann::ordered_json& json);
 
 namespace description {
 
-nlohmann::ordered_json list_to_json(std::span<const double> values, bool one_for_all);
+nlohmann::ordered_json list_to_json(std::span<const double> values, bool one_for_all = false);
 
 template <class V>
 nlohmann::ordered_json any_to_json(const V& value, const V& otherwise, const About& about);

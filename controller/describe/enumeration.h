@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -57,15 +58,23 @@ constexpr std::optional<E> from_string(std::string_view text) noexcept {
   return {};
 }
 
-/// "a, b, c", for messages and checks of a column.
-template <Worded E>
-std::string list_of_words(std::string_view separator = ", ", std::string_view quote = "") {
+/// "a, b, c": the items of a range, or what `text` makes of each.
+template <class Range, class Text = std::identity>
+std::string joined(const Range& items, Text text = {}, std::string_view separator = ", ") {
   std::string list;
-  for (const std::string_view word : words(Of<E>{})) {
+  for (const auto& item : items) {
     if (!list.empty()) list += separator;
-    list += std::string(quote) + std::string(word) + std::string(quote);
+    list += std::invoke(text, item);
   }
   return list;
+}
+
+/// The same of an enumeration's words, for messages and checks of a column.
+template <Worded E>
+std::string list_of_words(std::string_view separator = ", ", std::string_view quote = "") {
+  const std::string mark(quote);
+  return joined(
+      words(Of<E>{}), [&](std::string_view word) { return mark + std::string(word) + mark; }, separator);
 }
 
 }  // namespace moma

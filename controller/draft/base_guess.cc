@@ -27,9 +27,7 @@ struct Wheel {
 };
 
 std::string names(const UrdfFacts& urdf, const std::vector<Wheel>& wheels) {
-  std::string text;
-  for (const Wheel& wheel : wheels) text += (text.empty() ? "" : ", ") + urdf.link(wheel.link).joint.name;
-  return text;
+  return joined(wheels, [&](const Wheel& wheel) { return urdf.link(wheel.link).joint.name; });
 }
 
 class BaseFinder {
@@ -78,7 +76,7 @@ class BaseFinder {
     if (linear == 0 || linear > 2 || turns != 1 || (shapes && linear < 2)) return;
     std::vector<std::string> joints;
     for (const int i : chain) joints.push_back(urdf_.link(i).joint.name);
-    const std::string listed = fmt::format("{}", fmt::join(joints, ", "));
+    const std::string listed = joined(joints);
     guess_.doubtful = shapes || mass > 0.0;
     if (shapes) {
       guess_.reason = "a gantry, or virtual joints of a mobile base: " + listed;
@@ -203,11 +201,11 @@ class BaseFinder {
 
   // Links called wheels with fixed joints, as in URDFs for arms alone.
   std::string stuck() const {
-    std::string text;
-    for (int i = 1; i < urdf_.size(); ++i)
-      if (urdf_.link(i).joint.type == UrdfJointType::kFixed && named(urdf_.link(i).name, {"wheel"}))
-        text += (text.empty() ? "" : ", ") + urdf_.link(i).name;
-    return text;
+    std::vector<std::string> names;
+    for (const UrdfLink& link : urdf_.tree.links)
+      if (link.parent >= 0 && link.joint.type == UrdfJointType::kFixed && named(link.name, {"wheel"}))
+        names.push_back(link.name);
+    return joined(names);
   }
 
   // Lowest point of what does not move against the root [m, in R].
@@ -233,11 +231,8 @@ class BaseFinder {
   std::string not_standing() const {
     constexpr int kLegJoints = 2, kLegs = 4;
     constexpr double kHangs = 0.05;  // [m]; the wrist of an arm stretched over the floor is not as low
-    if (!rotors_.empty()) {
-      std::string names;
-      for (const int i : rotors_) names += (names.empty() ? "" : ", ") + urdf_.link(i).joint.name;
-      return "propellers seem to carry the root: " + names;
-    }
+    if (!rotors_.empty())
+      return "propellers seem to carry the root: " + joined(rotors_, [&](int i) { return urdf_.link(i).joint.name; });
     const double foot = foot_of_root();
     double lowest = foot;
     std::vector<std::string> chains, below;  // by the first joint

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <new>
 #include <numbers>
+#include <stdexcept>
 
 #include "controller/config/node.h"
 #include "controller/config/robot_file.h"
@@ -52,22 +52,14 @@ std::string without_comments(const std::string& xml) {
 /// YAML, line by line, with a count of the doubtful lines.
 class Lines {
  public:
-  void add(int level, const std::string& line, const std::string& comment = "") {
-    text_ += std::string(2U * static_cast<std::size_t>(level), ' ') + line + (comment.empty() ? "" : "  # " + comment) +
-             "\n";
+  void add(int level, const std::string& line, std::string comment = "", bool doubtful = false) {
+    if (doubtful) comment = "check: " + comment;
+    checks_ += doubtful ? 1 : 0;
+    const char* const between = line.empty() ? "# " : "  # ";
+    text_ += std::string(2U * static_cast<std::size_t>(level), ' ') + line;
+    text_ += (comment.empty() ? "" : between + comment) + "\n";
   }
-  void doubt(int level, const std::string& line, const std::string& what) {
-    add(level, line, "check: " + what);
-    ++checks_;
-  }
-  void remark(int level, const std::string& comment) {
-    text_ += std::string(2U * static_cast<std::size_t>(level), ' ') + "# " + comment + "\n";
-  }
-  // Adds a commented line that may have to be enabled.
-  void propose(int level, const std::string& line) {
-    remark(level, "check: " + line);
-    ++checks_;
-  }
+  void doubt(int level, const std::string& line, const std::string& what) { add(level, line, what, true); }
   const std::string& text() const { return text_; }
   int checks() const { return checks_; }
 
@@ -95,10 +87,9 @@ class Drafter {
     if (arm_has_geometry())
       lines_.add(0, "collision: {from: urdf, self: auto}");
     else
-      lines_.doubt(
-          0, "collision: {shapes: [], from: urdf, self: auto}",
-          "the URDF has no collision geometry for the arm, so that nothing it does is a collision; --fit-shapes "
-          "makes shapes of its visual meshes");
+      lines_.doubt(0, "collision: {shapes: [], from: urdf, self: auto}",
+                   "the URDF has no collision geometry for the arm, so that nothing it does is a collision; "
+                   "--fit-shapes makes shapes of its visual meshes");
     const config::LoadedRobot robot = load(lines_.text());
     return {lines_.text(), robot.warnings, robot.notes, lines_.checks()};
   }
@@ -112,9 +103,7 @@ class Drafter {
     std::string text;
     try {
       text = config::read_text_file(options_.urdf);
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& e) {
+    } catch (const std::runtime_error& e) {
       fail(e.what());
     }
     if (options_.urdf.extension() == ".xacro" || without_comments(text).find("<xacro:") != std::string::npos) {
@@ -139,18 +128,16 @@ class Drafter {
       const fs::path relative = fs::relative(path, options_.folder.empty() ? fs::path(".") : options_.folder, error);
       return config::yaml_scalar((error || relative.empty() ? fs::absolute(path) : relative).generic_string());
     };
-    lines_.remark(0,
-                  fmt::format("A first robot file, by `moma robot {}`. What the URDF does not say is marked \"check\".",
-                              options_.urdf.filename().string()));
+    lines_.add(0, "",
+               fmt::format("A first robot file, by `moma robot {}`. What the URDF does not say is marked \"check\".",
+                           options_.urdf.filename().string()));
     if (urdf_.tree.name.empty()) lines_.add(0, "name: " + config::yaml_scalar(options_.urdf.stem().string()));
     lines_.add(0, "urdf: " + from_here(options_.urdf));
     if (!urdf_.packages.empty()) lines_.add(0, "packages:");
     for (const auto& [name, folder] : urdf_.packages) {
-      const std::string line = config::yaml_scalar(name) + ": " + from_here(folder);
-      if (std::find(urdf_.renamed.begin(), urdf_.renamed.end(), name) == urdf_.renamed.end())
-        lines_.add(1, line);
-      else
-        lines_.doubt(1, line, "a folder of another name has its meshes");
+      const bool renamed = std::find(urdf_.renamed.begin(), urdf_.renamed.end(), name) != urdf_.renamed.end();
+      lines_.add(1, config::yaml_scalar(name) + ": " + from_here(folder),
+                 renamed ? "a folder of another name has its meshes" : "", renamed);
     }
     if (options_.lenient) lines_.doubt(0, "lenient: true", "what is left out of the URDF cannot collide");
   }
@@ -158,23 +145,18 @@ class Drafter {
   void write_base() {
     const bool mobile = base_.type != BaseType::kFixed;
     lines_.add(0, "base:");
-    const std::string type = "type: " + std::string(to_string(base_.type));
-    if (base_.doubtful)
-      lines_.doubt(1, type, base_.reason);
-    else
-      lines_.add(1, type, mobile ? "by " + base_.reason : "no wheels were found");
+    const std::string certain = mobile ? "by " + base_.reason : "no wheels were found";
+    lines_.add(1, "type: " + std::string(to_string(base_.type)), base_.doubtful ? base_.reason : certain,
+               base_.doubtful);
     const Vector3 p = base_.X_BR.translation().unaryExpr([](double value) { return rounded(value, 1e-4); });
     const double turn = std::atan2(base_.X_BR.linear()(1, 0), base_.X_BR.linear()(0, 0));
     if (!p.isZero() || turn != 0.0) {
       const std::string rpy = turn == 0.0 ? "" : fmt::format(", rpy: [0, 0, {}]", turn);
-      const std::string line = fmt::format("mount: {{position: {}{}}}", list(p), rpy);
       const std::string why =
           mobile ? "the URDF's root over the floor, from the point between the wheels"
                  : "the URDF's root over the floor: its lowest shape stands there, or it needs that much room";
-      if (turn == 0.0)
-        lines_.add(1, line, why);
-      else
-        lines_.doubt(1, line, why + "; wheels turn about the root's x, so that y or -y is ahead");
+      lines_.add(1, fmt::format("mount: {{position: {}{}}}", list(p), rpy),
+                 why + (turn == 0.0 ? "" : "; wheels turn about the root's x, so that y or -y is ahead"), turn != 0.0);
     }
     if (!mobile) return;
     const Wheels wheels = base_.wheels.value_or(Wheels{0.0, 0.0, 0.0, 0.0});
@@ -188,7 +170,7 @@ class Drafter {
     lines_.doubt(1, "max_angular: " + number(angular), "rad/s; " + source);
     lines_.doubt(1, "max_acceleration: [1, 2]", "m/s^2, rad/s^2: what the drive's ramp gives");
     if (!base_.wheels) {
-      lines_.propose(1, "wheels: {radius: m, separation: m, max_speed: rad/s}, which physics needs");
+      lines_.doubt(1, "", "wheels: {radius: m, separation: m, max_speed: rad/s}, which physics needs");
       return;
     }
     const double speed = known ? wheels.max_speed : rounded(2.0 * linear / wheels.radius, 0.1);
@@ -196,12 +178,12 @@ class Drafter {
                                    number(rounded(wheels.separation, 1e-4)));
     if (base_.type == BaseType::kOmnidirectional) text += ", wheelbase: " + number(rounded(wheels.wheelbase, 1e-4));
     text += fmt::format(", max_speed: {}}}", number(speed));
-    if (known && base_.round)
-      lines_.add(1, text, "m, m, rad/s; as the URDF has them");
-    else
-      lines_.doubt(1, text,
-                   std::string(base_.round ? "m, m as the URDF has them" : "m; no shape of the wheels is round") +
-                       (known ? "" : "; rad/s is twice what max_linear needs"));
+    const bool certain_wheels = known && base_.round;
+    const std::string sizes = base_.round ? "m, m as the URDF has them" : "m; no shape of the wheels is round";
+    lines_.add(1, text,
+               certain_wheels ? "m, m, rad/s; as the URDF has them"
+                              : sizes + (known ? "" : "; rad/s is twice what max_linear needs"),
+               !certain_wheels);
   }
 
   // Adds the limits without which read_arm() refuses the file.
@@ -230,11 +212,10 @@ class Drafter {
 
   void write_arm() {
     lines_.add(0, "arm:");
-    const std::string tip = "tip: " + config::yaml_scalar(urdf_.link(arm_.tip).name);
-    if (arm_.others.empty())
-      lines_.add(1, tip, fmt::format("at the end of {} driven joints", arm_.joints.size()));
-    else
-      lines_.doubt(1, tip, fmt::format("{} would be as long", fmt::join(arm_.others, ", ")));
+    lines_.add(1, "tip: " + config::yaml_scalar(urdf_.link(arm_.tip).name),
+               arm_.others.empty() ? fmt::format("at the end of {} driven joints", arm_.joints.size())
+                                   : joined(arm_.others) + " would be as long",
+               !arm_.others.empty());
     if (!arm_.p_TE.isZero())
       lines_.doubt(1,
                    fmt::format("tool: {{position: {}}}",
@@ -247,11 +228,8 @@ class Drafter {
     for (const std::string& joint : base_.virtual_joints)
       lines_.add(2, config::yaml_scalar(joint) + ": 0", "moma moves the base itself");
     for (const HeldJoint& joint : held_) {
-      const std::string line = fmt::format("{}: {}", config::yaml_scalar(joint.name), number(joint.q));
-      if (joint.clear)
-        lines_.add(2, line);
-      else
-        lines_.doubt(2, line, "no posture was found in which this arm touches nothing");
+      lines_.add(2, fmt::format("{}: {}", config::yaml_scalar(joint.name), number(joint.q)),
+                 joint.clear ? "" : "no posture was found in which this arm touches nothing", !joint.clear);
     }
     write_limits(arm_.joints);
   }
@@ -286,16 +264,17 @@ class Drafter {
       const auto model = load(lines_.text() + shapes()).model;
       const Posture posture = find_posture(*model, PostureFor::kFolded);
       for (int i = 0; i < model->num_joints(); ++i)
-        held_.push_back({model->joints[static_cast<std::size_t>(i)].name, posture.q[i], posture.clear});
+        held_.push_back({model->joint(i).name, posture.q[i], posture.clear});
     }
   }
 
   // Value of a held joint without a value of its own: 0, or the nearest limit.
   double resting_value(const std::string& name) const {
-    for (int i = 1; i < urdf_.size(); ++i) {
-      const UrdfJoint& joint = urdf_.link(i).joint;
-      if (joint.name != name || joint.type == UrdfJointType::kContinuous || !joint.lower || !joint.upper) continue;
-      if (*joint.lower <= *joint.upper) return std::clamp(0.0, *joint.lower, *joint.upper);
+    for (const UrdfLink& link : urdf_.tree.links) {
+      const UrdfJoint& joint = link.joint;
+      if (joint.name == name && joint.type != UrdfJointType::kContinuous && joint.lower && joint.upper &&
+          *joint.lower <= *joint.upper)
+        return std::clamp(0.0, *joint.lower, *joint.upper);
     }
     return 0.0;
   }
@@ -361,15 +340,13 @@ class Drafter {
   }
 
   void write_ready(const Posture& posture) {
-    std::string values;
-    for (const double value : posture.q) values += (values.empty() ? "" : ", ") + number(value);
-    const std::string line = fmt::format("ready: [{}]", values);
-    if (posture.clear && posture.held)
-      lines_.add(1, line, fmt::format("manipulability {:.2g}, clear of itself, can be held", posture.manipulability));
-    else
-      lines_.doubt(1, line,
-                   !posture.clear ? "no posture was found in which nothing touches"
-                                  : "no posture was found that the joints' efforts can hold");
+    const std::string line = fmt::format("ready: [{}]", joined(posture.q, number));
+    lines_.add(1, line,
+               !posture.clear ? "no posture was found in which nothing touches"
+               : !posture.held
+                   ? "no posture was found that the joints' efforts can hold"
+                   : fmt::format("manipulability {:.2g}, clear of itself, can be held", posture.manipulability),
+               !posture.clear || !posture.held);
   }
 
   // A drive that cannot hold its arm in much of its range usually has springs, which URDFs do not describe.
@@ -377,11 +354,11 @@ class Drafter {
     constexpr double kMuch = 0.25, kSpare = 1.2;
     for (const JointLoad& load : joint_loads(model)) {
       if (load.beyond < kMuch) continue;
-      const ControlledJoint& joint = model->joints[static_cast<std::size_t>(load.joint)];
-      lines_.propose(
-          1,
-          fmt::format("limits: {{{}: {{effort: {}}}}} if springs or weights help the motor; the URDF's {} {} are too "
-                      "few for the arm's weight in {:.0f} % of the range",
+      const ControlledJoint& joint = model->joint(load.joint);
+      lines_.doubt(
+          1, "",  // a line that may have to be enabled
+          fmt::format("limits: {{{}: {{effort: {}}}}} if springs or weights help the motor; the URDF's {} {} "
+                      "are too few for the arm's weight in {:.0f} % of the range",
                       config::yaml_scalar(joint.name), number(std::ceil(kSpare * load.largest)), number(load.limit),
                       joint.type == JointType::kPrismatic ? "N" : "Nm", 100.0 * load.beyond));
     }

@@ -21,14 +21,13 @@ struct BaseGuess {
   std::vector<bool> joints;  ///< per link: its joint belongs to the base
 };
 
-/// Wheels have joints that turn without limits about a level axis, are near the floor or named so, and have no driven
-/// joint behind them. Casters and other parts steered about an upright axis drive nothing if other wheels do. Radii are
-/// those of the collision shapes, else of the visuals, whichever is round, else the joint's height above the lowest
-/// one. Two wheels, or four along one axis, make a differential base. Four wheels named mecanum or omni, three about
-/// different axes, and steered wheels alone make an omnidirectional one. A chain of joints along x and y and about z
-/// from the root, whose links have no shape before its end, also represents a base; with masses it is doubtful. Links
-/// with shapes may belong to a gantry, so that such a chain is a doubtful fixed base. So is a root that legs or
-/// propellers seem to carry, or from which the arm hangs.
+/// Wheels turn without limits about a level axis, are near the floor or named so, and have no driven joint behind them.
+/// Casters and other parts steered about an upright axis drive nothing if other wheels do. Radii are those of the
+/// collision shapes, else of the visuals, whichever is round, else the joint's height above the lowest one. Two wheels,
+/// or four along one axis, make a differential base; four named mecanum or omni, three about different axes, and
+/// steered wheels alone an omnidirectional one. So does a chain of joints along x and y and about z from the root,
+/// without shapes before its end; with masses it is doubtful, with shapes (a gantry) a doubtful fixed base. So is a
+/// root that legs or propellers seem to carry, or from which the arm hangs.
 BaseGuess guess_base(const UrdfFacts& urdf);
 
 /// The likely arm: the longest chain of driven joints that are neither fingers nor wheels.

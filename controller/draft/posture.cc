@@ -59,7 +59,7 @@ class PostureFinder {
   VectorX sample(int s) const {
     VectorX q(model_->num_joints());
     for (int i = 0; i < q.size(); ++i) {
-      const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
+      const ControlledJoint& joint = model_->joint(i);
       auto [lower, upper] = drawn_range(joint);
       // A range of more than one turn is best near zero.
       if (joint.type != JointType::kPrismatic && upper - lower > 1.5 * std::numbers::pi) {
@@ -101,7 +101,7 @@ class PostureFinder {
   bool held() const {
     const VectorX efforts = holding_efforts(kinematics_);
     for (int i = 0; i < efforts.size(); ++i) {
-      const double limit = model_->joints[static_cast<std::size_t>(i)].effort;
+      const double limit = model_->joint(i).effort;
       if (limit > 0.0 && std::abs(efforts[i]) > kSpare * limit) return false;
     }
     return true;
@@ -110,7 +110,7 @@ class PostureFinder {
   double room(const VectorX& q) const {
     double least = kRoom;
     for (int i = 0; i < q.size(); ++i) {
-      const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
+      const ControlledJoint& joint = model_->joint(i);
       if (joint.type == JointType::kContinuous) continue;
       least = std::min(least, std::min(q[i] - joint.lower, joint.upper - q[i]) / (joint.upper - joint.lower));
     }

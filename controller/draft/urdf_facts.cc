@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <exception>
-#include <new>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 
 #include "controller/config/mesh_hull.h"
@@ -31,9 +30,7 @@ void find_package(UrdfFacts& urdf, const std::string& uri) {
     for (auto part = inside.begin(); part != inside.end(); ++part) folder = folder.parent_path();
     const fs::path from = urdf.directory.lexically_relative(folder.parent_path());
     if (!from.empty() && *from.begin() != "..") return;  // beside or above the URDF
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception&) {
+  } catch (const std::runtime_error&) {
     for (folder = urdf.directory; !fs::is_regular_file(folder / inside, error); folder = folder.parent_path())
       if (folder == folder.parent_path()) return;
     urdf.renamed.push_back(name);
@@ -68,9 +65,7 @@ std::vector<Vector3> outline(const UrdfFacts& urdf, const UrdfGeometry& shape) {
     try {
       points = config::read_mesh(config::PackagePaths(urdf.packages).resolve(shape.mesh, urdf.directory), shape.scale)
                    .vertices;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception&) {
+    } catch (const std::runtime_error&) {
       return {};
     }
   } else if (shape.shape.kind == ShapeKind::kBox) {

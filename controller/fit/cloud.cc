@@ -3,32 +3,26 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numbers>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "controller/config/convex_hull.h"
 
 namespace moma::fit {
 namespace {
 
-// A triangle cut by two planes has at most five corners.
-struct Polygon {
-  std::array<Vector3, 8> corner;
-  int count = 0;
-  void add(const Vector3& p) { corner[static_cast<std::size_t>(count++)] = p; }
-};
-
-// Keeps the half with sign * (axis . x - at) >= 0.
-Polygon cut(const Polygon& polygon, const Vector3& axis, double at, double sign) {
-  Polygon kept;
-  for (int i = 0; i < polygon.count; ++i) {
-    const Vector3& a = polygon.corner[static_cast<std::size_t>(i)];
-    const Vector3& b = polygon.corner[static_cast<std::size_t>((i + 1) % polygon.count)];
+// The half of a polygon with sign * (axis . x - at) >= 0.
+Points cut(const Points& polygon, const Vector3& axis, double at, double sign) {
+  Points kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector3& a = polygon[i];
+    const Vector3& b = polygon[(i + 1) % polygon.size()];
     const double from = sign * (axis.dot(a) - at);
     const double to = sign * (axis.dot(b) - at);
-    if (from >= 0.0) kept.add(a);
-    if ((from > 0.0 && to < 0.0) || (from < 0.0 && to > 0.0)) kept.add(a + from / (from - to) * (b - a));
+    if (from >= 0.0) kept.push_back(a);
+    if ((from > 0.0 && to < 0.0) || (from < 0.0 && to > 0.0)) kept.push_back(a + from / (from - to) * (b - a));
   }
   return kept;
 }
@@ -39,21 +33,10 @@ Vector3 spiral(double z, int k) {
   return {r * std::cos(golden * k), r * std::sin(golden * k), z};
 }
 
-bool lexicographic(const Vector3& a, const Vector3& b) {
-  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-}
-
-Points without_repetitions(Points points) {
-  std::sort(points.begin(), points.end(), lexicographic);
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  return points;
-}
-
 }  // namespace
 
 Points corners(const Triangles& triangles) {
   Points points;
-  points.reserve(3 * triangles.size());
   for (const Triangle& t : triangles) points.insert(points.end(), t.begin(), t.end());
   return points;
 }
@@ -67,26 +50,21 @@ Triangles clipped(const Triangles& triangles, const Vector3& axis, double low, d
       kept.push_back(t);
       continue;
     }
-    Polygon polygon;
-    for (const Vector3& p : t) polygon.add(p);
-    polygon = cut(cut(polygon, axis, low, 1.0), axis, high, -1.0);
-    for (int i = 2; i < polygon.count; ++i)
-      kept.push_back({polygon.corner[0], polygon.corner[static_cast<std::size_t>(i - 1)],
-                      polygon.corner[static_cast<std::size_t>(i)]});
+    const Points polygon = cut(cut({t.begin(), t.end()}, axis, low, 1.0), axis, high, -1.0);
+    for (std::size_t i = 2; i < polygon.size(); ++i) kept.push_back({polygon[0], polygon[i - 1], polygon[i]});
   }
   return kept;
 }
 
 Points hull_points(const Points& points) {
-  Points distinct = without_repetitions(points);
+  Points distinct = points;
+  std::sort(distinct.begin(), distinct.end(), [](const Vector3& a, const Vector3& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  });
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   if (distinct.size() < 5) return distinct;
-  try {
-    return config::convex_hull(distinct).vertices;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception&) {
-    return distinct;  // in one plane
-  }
+  std::optional<ConvexHull> hull = config::convex_hull(distinct);
+  return hull ? std::move(hull->vertices) : distinct;
 }
 
 Points extreme_points(const Points& points, int count) {
@@ -94,16 +72,10 @@ Points extreme_points(const Points& points, int count) {
   std::set<std::size_t> chosen;
   for (int k = 0; k < count; ++k) {
     const Vector3 direction = spiral(1.0 - (2.0 * k + 1.0) / count, k);
-    std::size_t best = 0;
-    double most = direction.dot(points[0]);
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      const double reach = direction.dot(points[i]);
-      if (reach > most) {
-        most = reach;
-        best = i;
-      }
-    }
-    chosen.insert(best);
+    const auto furthest = std::max_element(points.begin(), points.end(), [&](const Vector3& a, const Vector3& b) {
+      return direction.dot(a) < direction.dot(b);
+    });
+    chosen.insert(static_cast<std::size_t>(furthest - points.begin()));
   }
   Points extremes;
   for (const std::size_t i : chosen) extremes.push_back(points[i]);

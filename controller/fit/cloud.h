@@ -14,15 +14,13 @@ using Triangles = std::vector<Triangle>;
 Points corners(const Triangles& triangles);
 
 /// Returns the part of the surface in low <= axis . x <= high: triangles cut at the two planes (Sutherland-Hodgman). A
-/// convex solid around the corners of the result encloses that part of the surface and of the body inside, because
-/// every extreme point of the body's part is a corner.
+/// convex solid around its corners also encloses that part of the body inside: every extreme point is a corner.
 Triangles clipped(const Triangles& triangles, const Vector3& axis, double low, double high);
 
 /// Returns the vertices of the convex hull of `points`; if they are coplanar, the points without repetitions.
 Points hull_points(const Points& points);
 
-/// Returns the furthest of `points` in `count` directions spread evenly over the sphere (a Fibonacci spiral), each
-/// once; all points if there are no more than `count`.
+/// Returns the furthest of `points` in each of `count` directions spread evenly over the sphere (a Fibonacci spiral).
 Points extreme_points(const Points& points, int count);
 
 /// Returns `count` unit vectors spread evenly over the half sphere z >= 0.

@@ -1,7 +1,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
-#include <new>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -142,19 +142,12 @@ std::vector<Vector3> normals(const Points& points, Effort effort) {
   std::vector<Vector3> all{Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ(), principal.col(0), principal.col(2)};
   if (effort == Effort::kQuick) return all;
   for (const Vector3& d : half_sphere(kDirections)) all.push_back(d);
-  if (points.size() < 5) return all;
-  try {
-    const ConvexHull hull = config::convex_hull(points);
-    for (const Eigen::Vector3i& t : hull.triangles) {
-      const Vector3& a = hull.vertices[static_cast<std::size_t>(t[0])];
-      const Vector3 n =
-          (hull.vertices[static_cast<std::size_t>(t[1])] - a).cross(hull.vertices[static_cast<std::size_t>(t[2])] - a);
-      if (n.norm() > 1e-12) all.emplace_back(n.normalized());
-    }
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception&) {
-    // All in one plane: its normal is the last principal axis.
+  // Without a hull all points lie in one plane, whose normal is the last principal axis.
+  const std::optional<ConvexHull> hull = points.size() < 5 ? std::nullopt : config::convex_hull(points);
+  for (std::size_t i = 0; hull && i < hull->triangles.size(); ++i) {
+    const auto at = [&](int k) { return hull->vertices[static_cast<std::size_t>(hull->triangles[i][k])]; };
+    const Vector3 n = (at(1) - at(0)).cross(at(2) - at(0));
+    if (n.norm() > 1e-12) all.emplace_back(n.normalized());
   }
   return all;
 }

@@ -138,23 +138,16 @@ LinkFit fit_link(const std::string& link, const std::vector<const UrdfCollision*
   return fit;
 }
 
-std::string numbers(std::initializer_list<double> values) {
-  std::string text;
-  for (const double value : values) text += fmt::format("{}{}", text.empty() ? "" : ", ", value + 0.0);
-  return "[" + text + "]";
+std::string numbers(const Vector3& values, int count = 3) {
+  return "[" + joined(values.head(count), [](double value) { return fmt::format("{}", value + 0.0); }) + "]";
 }
 
 std::string shape_line(const std::string& link, const Placed& placed) {
-  const Vector3& s = placed.solid.shape.size;
-  const ShapeKind kind = placed.solid.shape.kind;
-  const std::string size = kind == ShapeKind::kSphere ? numbers({s.x()})
-                           : kind == ShapeKind::kBox  ? numbers({s.x(), s.y(), s.z()})
-                                                      : numbers({s.x(), s.y()});
-  const Vector3& p = placed.position;
-  std::string line = fmt::format("  - {{link: {}, shape: {}, size: {}, position: {}", config::yaml_scalar(link),
-                                 to_string(kind), size, numbers({p.x(), p.y(), p.z()}));
-  if (kind != ShapeKind::kSphere && !placed.rpy.isZero(0.0))
-    line += fmt::format(", rpy: {}", numbers({placed.rpy.x(), placed.rpy.y(), placed.rpy.z()}));
+  const Shape& shape = placed.solid.shape;
+  std::string line =
+      fmt::format("  - {{link: {}, shape: {}, size: {}, position: {}", config::yaml_scalar(link), to_string(shape.kind),
+                  numbers(shape.size, num_sizes(shape.kind)), numbers(placed.position));
+  if (shape.kind != ShapeKind::kSphere && !placed.rpy.isZero(0.0)) line += ", rpy: " + numbers(placed.rpy);
   return line + "}\n";
 }
 
@@ -177,14 +170,12 @@ SelfContact self_contact(const RobotModel& model) {
   const Kinematics at_ready(std::make_shared<RobotModel>(model));
   std::set<std::pair<int, int>> links;
   for (const SelfPair& pair : config::movable_pairs(model)) {
-    const CollisionShape& first = model.shapes[static_cast<std::size_t>(pair.first)];
-    const CollisionShape& second = model.shapes[static_cast<std::size_t>(pair.second)];
+    const CollisionShape& first = model.shape(pair.first);
+    const CollisionShape& second = model.shape(pair.second);
     if (shape_distance(first.shape, at_ready.X_WS(first), second.shape, at_ready.X_WS(second)).d <= 0.0)
       links.insert(std::minmax(first.link, second.link));
   }
-  for (const auto& [a, b] : links)
-    contact.touching.emplace_back(model.links[static_cast<std::size_t>(a)].name,
-                                  model.links[static_cast<std::size_t>(b)].name);
+  for (const auto& [a, b] : links) contact.touching.emplace_back(model.link(a).name, model.link(b).name);
   return contact;
 }
 

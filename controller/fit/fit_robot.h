@@ -45,11 +45,11 @@ struct RobotFit {
 using FitProgress = std::function<void(const std::string& link, std::size_t number, std::size_t links)>;
 
 /// Fits shapes to a URDF's collision geometry, for links without shapes in the robot file; to its visuals if it has no
-/// collision geometry at all. The file may have no `collision` yet. Spheres and boxes stay; the meshes and cylinders of
-/// a link are fitted together, see fit_surfaces(). A cylinder is replaced by the prism of 96 sides around it, which is
-/// 0.05 % wider. Links of the same geometry, as in two arms of the same type, are fitted once. The result is checked by
-/// reading it as a robot file's `collision`. Deterministic. Throws config::ConfigError for a file that load_robot()
-/// refuses, an unreadable mesh, or nothing to fit.
+/// collision geometry at all. Spheres and boxes stay; the meshes and cylinders of a link are fitted together
+/// (fit_surfaces()), cylinders as the prisms of 96 sides around them, which are 0.05 % wider. Links of the same
+/// geometry are fitted once. The result is read back as a robot file's `collision`. Deterministic. Throws
+/// config::ConfigError for a file that load_robot() refuses (one without `collision` is accepted), an unreadable mesh,
+/// or nothing to fit.
 RobotFit fit_robot(const std::filesystem::path& robot_file, const FitOptions& options,
                    const FitProgress& progress = {});
 

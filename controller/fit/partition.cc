@@ -1,9 +1,9 @@
 #include "controller/fit/partition.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -43,8 +43,7 @@ using Parts = std::vector<Part>;
 
 // Cost: volume of the union times the mean weight of its kinds.
 double cost_of(const std::vector<Solid>& solids, const Kinds& kinds, int samples) {
-  double sum = 0.0;
-  double weighted = 0.0;
+  double sum = 0.0, weighted = 0.0;
   for (const Solid& solid : solids) {
     sum += volume(solid.shape);
     weighted += weight(solid.shape.kind, kinds) * volume(solid.shape);
@@ -76,37 +75,34 @@ class Slabs {
       low = std::min(low, axis.dot(p));
       high = std::max(high, axis.dot(p));
     }
-    for (int i = 1; i < kSlabs; ++i) places_.push_back(low + (high - low) * i / kSlabs);
-    for (int i = 0; i < kSlabs; ++i) {
-      const double from = i == 0 ? low : places_[static_cast<std::size_t>(i - 1)];
-      const double to = i + 1 == kSlabs ? high : places_[static_cast<std::size_t>(i)];
-      Points slab = corners(clipped(part.surface, axis, from, to));
+    for (int i = 0; i <= kSlabs; ++i) places_.push_back(i == kSlabs ? high : low + (high - low) * i / kSlabs);
+    for (std::size_t i = 0; i < kSlabs; ++i) {
+      Points slab = corners(clipped(part.surface, axis, places_[i], places_[i + 1]));
       if (slab.size() > kManyPoints) slab = hull_points(slab);
       points_.push_back(extreme_points(slab, kSlabPoints));
     }
   }
 
-  double place(int i) const { return places_[static_cast<std::size_t>(i - 1)]; }
+  double place(int i) const { return places_[static_cast<std::size_t>(i)]; }
 
   /// Fit around the slabs [from, to); empty if they contain no surface.
   const std::optional<Solid>& around(int from, int to) {
-    std::optional<std::optional<Solid>>& entry = fits_[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
-    if (entry) return *entry;
+    const auto [entry, is_new] = fits_.try_emplace({from, to});
+    if (!is_new) return entry->second;
     Points points;
     for (int i = from; i < to; ++i) {
       const Points& slab = points_[static_cast<std::size_t>(i)];
       points.insert(points.end(), slab.begin(), slab.end());
     }
-    entry.emplace();
-    if (!points.empty()) *entry = best_solid(extreme_points(points, kSlabPoints), kinds_, Effort::kQuick);
-    return *entry;
+    if (!points.empty()) entry->second = best_solid(extreme_points(points, kSlabPoints), kinds_, Effort::kQuick);
+    return entry->second;
   }
 
  private:
   Kinds kinds_;
   std::vector<double> places_;
   std::vector<Points> points_;
-  std::array<std::array<std::optional<std::optional<Solid>>, kSlabs + 1>, kSlabs> fits_;
+  std::map<std::pair<int, int>, std::optional<Solid>> fits_;
 };
 
 // Adds all cuts of one part into `pieces` (2 or 3), with the resulting cost of all parts.

@@ -7,9 +7,8 @@
 
 namespace moma::fit {
 
-/// Weight of a kind's volume when kinds are compared: a simpler or rounder shape wins where it is hardly larger.
-/// A box has flat sides, whose nearest point jumps when something turns before them, and its distances to other boxes
-/// are found by iteration.
+/// Weight of a kind's volume when kinds are compared. The nearest point of a box's flat side jumps when something turns
+/// before it, and distances between boxes need iterations.
 inline constexpr double kCapsuleWeight = 1.02;
 inline constexpr double kBoxWeight = 1.15;
 
@@ -38,12 +37,11 @@ struct FitOptions {
 /// Factor by which a further shape must reduce the union (weighted by kind, see weight()).
 inline constexpr double kGain = 1.1;
 
-/// Returns shapes that together enclose the surfaces of a link and the bodies inside them. The whole is cut by planes
-/// across the axes of its box and of the link, into two or three slabs (comparing all choices among twelve positions
-/// with quick fits), and the parts are cut again while more shapes are allowed. Each part is the surface clipped
-/// between its planes, enclosed by one shape. Several surfaces are also fitted one by one. Among the numbers of shapes,
-/// the least volume of the union times kGain per further shape wins. Deterministic. At least one surface, each of at
-/// least one triangle. About 0.3 s for three shapes.
+/// Returns shapes that together enclose the surfaces of a link and the bodies inside them. Planes across the axes of
+/// its box and of the link cut the whole into two or three slabs (quick fits compare all choices among twelve
+/// positions), and the parts again while more shapes are allowed. One shape encloses each part. Several surfaces are
+/// also fitted one by one. The least volume of the union times kGain per further shape wins. Deterministic. At least
+/// one surface, each of at least one triangle. About 0.3 s for three shapes.
 std::vector<Placed> fit_surfaces(const std::vector<Triangles>& surfaces, const FitOptions& options);
 
 }  // namespace moma::fit

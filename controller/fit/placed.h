@@ -24,8 +24,8 @@ double volume(const Shape& shape) noexcept;
 /// Signed distance of a point from the solid's surface, negative inside [m]; exact.
 double distance(const Solid& solid, const Vector3& p_L) noexcept;
 
-/// Volume of the union: exact for one solid; for several counted on `samples` points of a Halton sequence (bases 2, 3,
-/// 5) in the box around them, with an error of about 1 % for 4,000.
+/// Volume of the union [m^3]: exact for one solid; for several counted on `samples` points of a Halton sequence in the
+/// box around them, with an error of about 1 % for 4,000.
 double union_volume(std::span<const Solid> solids, int samples);
 
 /// Returns about `samples` points spread evenly over the surfaces of all solids, without those inside another one.
@@ -49,8 +49,7 @@ Placed rounded(const Solid& solid, const Points& points);
 Placed as_it_is(const Shape& shape, const Isometry& X_LS);
 
 /// Error of shapes around a surface. Overshoot is the distance from points spread evenly over the shapes' outer surface
-/// to the convex hull of the enclosed surface; 0 for points inside the hull. Several shapes around a hollow surface can
-/// be smaller than its hull.
+/// to the convex hull of the enclosed surface; 0 inside, since several shapes can be smaller than the hull.
 struct FitError {
   std::optional<double> volume_ratio;  ///< volume of the union over that of the hull; empty if the hull is flat
   double mean_overshoot = 0.0;         ///< [m]

@@ -1,5 +1,3 @@
-#include "controller/model/collada_check.h"
-
 #include <tinyxml.h>
 
 #include <algorithm>
@@ -11,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "controller/model/text_check.h"
+#include "controller/model/xml_check.h"
 
 namespace moma {
 namespace {

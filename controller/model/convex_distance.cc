@@ -16,18 +16,17 @@
 #include <vector>
 
 namespace moma {
-namespace {
 
-std::unique_ptr<coal::ShapeBase> make_coal_shape(const Shape& shape) {
+ConvexGeometry convex_geometry(const Shape& shape) {
   switch (shape.kind) {
     case ShapeKind::kSphere:
-      return std::make_unique<coal::Sphere>(shape.size.x());
+      return std::make_shared<coal::Sphere>(shape.size.x());
     case ShapeKind::kBox:
-      return std::make_unique<coal::Box>(shape.size);
+      return std::make_shared<coal::Box>(shape.size);
     case ShapeKind::kCylinder:
-      return std::make_unique<coal::Cylinder>(shape.size.x(), shape.size.y());
+      return std::make_shared<coal::Cylinder>(shape.size.x(), shape.size.y());
     case ShapeKind::kCapsule:
-      return std::make_unique<coal::Capsule>(shape.size.x(), shape.size.y());
+      return std::make_shared<coal::Capsule>(shape.size.x(), shape.size.y());
     case ShapeKind::kConvex:
       break;
   }
@@ -41,8 +40,10 @@ std::unique_ptr<coal::ShapeBase> make_coal_shape(const Shape& shape) {
   }
   const auto num_points = static_cast<unsigned>(points->size());
   const auto num_triangles = static_cast<unsigned>(triangles->size());
-  return std::make_unique<coal::Convex<coal::Triangle>>(points, num_points, triangles, num_triangles);
+  return std::make_shared<coal::Convex<coal::Triangle>>(points, num_points, triangles, num_triangles);
 }
+
+namespace {
 
 coal::Transform3s to_coal(const Isometry& X) { return coal::Transform3s(X.linear(), X.translation()); }
 
@@ -66,7 +67,7 @@ void support_of(const coal::ShapeBase& shape, const Vector3& direction, Vector3&
       return getShapeSupport<kOptions>(static_cast<const coal::Cylinder*>(&shape), direction, support, hint, data);
     case coal::GEOM_CAPSULE:
       return getShapeSupport<kOptions>(static_cast<const coal::Capsule*>(&shape), direction, support, hint, data);
-    default: {  // a hull, since make_coal_shape() makes nothing else; its two searches are selected as in coal
+    default: {  // a hull, since convex_geometry() makes nothing else; its two searches are selected as in coal
       // LargeConvex and SmallConvex only select the function, which casts back: no object has these types.
       const auto* const hull = static_cast<const coal::ConvexBase*>(&shape);
       if (hull->num_points > coal::ConvexBase::num_vertices_large_convex_threshold) {
@@ -100,11 +101,6 @@ bool is_good(const Distance& distance) {
 }
 
 }  // namespace
-
-ConvexGeometry::ConvexGeometry(const Shape& shape) : shape_(make_coal_shape(shape)) {}
-ConvexGeometry::~ConvexGeometry() = default;
-ConvexGeometry::ConvexGeometry(ConvexGeometry&&) noexcept = default;
-ConvexGeometry& ConvexGeometry::operator=(ConvexGeometry&&) noexcept = default;
 
 struct ConvexDistance::Impl {
   coal::details::MinkowskiDiff difference;
@@ -155,9 +151,9 @@ Distance ConvexDistance::distance(const ConvexGeometry& first, const Isometry& X
   bool good = X_W1.matrix().allFinite() && X_W2.matrix().allFinite();
   if (good) {
     try {
-      impl_->difference.set<coal::details::SupportOptions::NoSweptSphere>(&first.shape(), &second.shape(),
-                                                                          to_coal(X_W1), to_coal(X_W2));
-      if (is_box(first.shape()) || is_box(second.shape())) impl_->difference.getSupportFunc = support_of_pair;
+      impl_->difference.set<coal::details::SupportOptions::NoSweptSphere>(first.get(), second.get(), to_coal(X_W1),
+                                                                          to_coal(X_W2));
+      if (is_box(*first) || is_box(*second)) impl_->difference.getSupportFunc = support_of_pair;
       Vector3 p1, p2, normal;
       good = impl_->run(distance.d, p1, p2, normal);
       if (good) {

@@ -13,18 +13,8 @@ class ShapeBase;
 namespace moma {
 
 /// A shape in coal's form; a convex hull is copied.
-class ConvexGeometry {
- public:
-  explicit ConvexGeometry(const Shape& shape);
-  ~ConvexGeometry();
-  ConvexGeometry(ConvexGeometry&&) noexcept;
-  ConvexGeometry& operator=(ConvexGeometry&&) noexcept;
-
-  const coal::ShapeBase& shape() const noexcept { return *shape_; }
-
- private:
-  std::unique_ptr<coal::ShapeBase> shape_;
-};
+using ConvexGeometry = std::shared_ptr<const coal::ShapeBase>;
+ConvexGeometry convex_geometry(const Shape& shape);
 
 /// Signed distance of any two convex solids by coal's GJK and EPA. Owns their buffers: one per worker. Errors on random
 /// pairs: below 1e-6 m apart, 2e-6 m in contact (2e-5 m for two cylinders).
@@ -53,7 +43,7 @@ struct Solid {
   Vector3 bound_offset = Vector3::Zero();  ///< centre of that box
   ConvexGeometry geometry;
 
-  explicit Solid(const Shape& of) : shape(of), radius(bounding_radius(of)), bound(of), geometry(of) {
+  explicit Solid(const Shape& of) : shape(of), radius(bounding_radius(of)), bound(of), geometry(convex_geometry(of)) {
     if (of.kind != ShapeKind::kConvex || !of.hull || of.hull->vertices.empty()) return;
     Eigen::AlignedBox3d box;
     for (const Vector3& v : of.hull->vertices) box.extend(v);
@@ -68,8 +58,8 @@ struct Solid {
   }
 };
 
-/// True if two placed solids are more than `range` apart according to their bounding balls, or to one of them and the
-/// other's ball; also if a pose is not finite. False if they may be nearer.
+/// True if two placed solids are more than `range` apart by their bounding balls, or by one of them and the other's
+/// ball; also if a pose is not finite. False if they may be nearer.
 inline bool apart(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb, double range) noexcept {
   const Vector3 ca = X_Wa.translation();
   const Vector3 cb = X_Wb.translation();

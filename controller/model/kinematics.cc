@@ -57,8 +57,8 @@ void Kinematics::update(const Vector3& base, const Eigen::Ref<const VectorX>& q)
   J_WE_W_.topRows<3>().setZero();
   const int base_dof = model_->base_dof();
   if (base_dof > 0) J_WE_W_(2, base_dof - 1) = 1.0;
-  for (int i = model_->tip; i > 0; i = model_->links[static_cast<std::size_t>(i)].parent) {
-    const Link& link = model_->links[static_cast<std::size_t>(i)];
+  for (int i = model_->tip; i > 0; i = model_->link(i).parent) {
+    const Link& link = model_->link(i);
     if (link.controlled >= 0 && link.joint_type != JointType::kPrismatic)
       J_WE_W_.col(base_dof + link.controlled).head<3>() = X_WL(i).linear() * link.axis;
   }
@@ -74,8 +74,8 @@ void Kinematics::point_jacobian(int link, const Vector3& p_W, Eigen::Ref<Matrix3
     const Vector3 r = p_W - X_WB().translation();
     out.col(base_dof - 1) = Vector3(-r.y(), r.x(), 0.0);
   }
-  for (int i = link; i > 0; i = model_->links[static_cast<std::size_t>(i)].parent) {
-    const Link& moved = model_->links[static_cast<std::size_t>(i)];
+  for (int i = link; i > 0; i = model_->link(i).parent) {
+    const Link& moved = model_->link(i);
     if (moved.controlled < 0) continue;
     const Isometry& X = X_WL(i);
     const Vector3 axis_W = X.linear() * moved.axis;

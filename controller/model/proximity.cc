@@ -26,7 +26,7 @@ struct Proximity::Impl {
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> robot_X_WS;  // the shapes' frames in the world
   std::vector<char> usable;                                              // of the objects, in this query
   std::vector<ProximityPair> pairs;
-  ConvexGeometry point{Shape{ShapeKind::kSphere, {kPoint, 0.0, 0.0}, nullptr}};
+  ConvexGeometry point = convex_geometry({ShapeKind::kSphere, {kPoint, 0.0, 0.0}, nullptr});
 
   // A ball against any solid: by a closed form, or an iterative method for its centre.
   Distance ball(const Vector3& centre_W, double radius, const Solid& solid, const Isometry& X_WS) noexcept {
@@ -185,7 +185,7 @@ bool is_pose(const Isometry& X) noexcept {
 Distance shape_distance(const Shape& first, const Isometry& X_W1, const Shape& second, const Isometry& X_W2) {
   if (const auto exact = analytic_distance(first, X_W1, second, X_W2)) return *exact;
   const int vertices = std::max(hull_vertices(first), hull_vertices(second));
-  return ConvexDistance(vertices).distance(ConvexGeometry(first), X_W1, ConvexGeometry(second), X_W2);
+  return ConvexDistance(vertices).distance(convex_geometry(first), X_W1, convex_geometry(second), X_W2);
 }
 
 }  // namespace moma

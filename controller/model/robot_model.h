@@ -112,6 +112,9 @@ struct RobotModel {
   std::vector<SelfPair> self_pairs;
   std::vector<MountedSensor> sensors;
 
+  const Link& link(int i) const noexcept { return links[static_cast<std::size_t>(i)]; }
+  const ControlledJoint& joint(int i) const noexcept { return joints[static_cast<std::size_t>(i)]; }
+  const CollisionShape& shape(int i) const noexcept { return shapes[static_cast<std::size_t>(i)]; }
   int num_joints() const noexcept { return static_cast<int>(joints.size()); }
   /// Number of velocity coordinates of the base (model/base_kind.h); 0 for a fixed one.
   int base_dof() const noexcept;

@@ -15,8 +15,7 @@ ShapeWays::ShapeWays(const RobotModel& model)
     radii_.push_back(bounding_radius(shape.shape));
     // Controlled joints form one chain, in its order: the last joint that carries the shape identifies all others.
     int joints = 0;
-    for (int i = shape.link; i > 0; i = model.links[static_cast<std::size_t>(i)].parent)
-      joints = std::max(joints, model.links[static_cast<std::size_t>(i)].controlled + 1);
+    for (int i = shape.link; i > 0; i = model.link(i).parent) joints = std::max(joints, model.link(i).controlled + 1);
     moved_by_.push_back(joints);
   }
 }
@@ -33,8 +32,8 @@ void ShapeWays::begin(const Kinematics& kinematics) noexcept {
         (centres_W_[s] - kinematics.X_WB().translation()).head<2>().norm() + radii_[s];
   }
   for (int j = 0; j < model_->num_joints(); ++j) {
-    const Link& link = model_->links[static_cast<std::size_t>(model_->joints[static_cast<std::size_t>(j)].link)];
-    const Isometry& X_WJ = kinematics.X_WL(model_->joints[static_cast<std::size_t>(j)].link);
+    const Link& link = model_->link(model_->joint(j).link);
+    const Isometry& X_WJ = kinematics.X_WL(model_->joint(j).link);
     const Vector3 axis_W = X_WJ.linear() * link.axis, origin_W = X_WJ.translation();
     const bool prismatic = link.joint_type == JointType::kPrismatic;
     for (std::size_t s = 0; s < count; ++s) {
@@ -52,7 +51,7 @@ void ShapeWays::limit(const VectorX& most) noexcept {
     const auto row = static_cast<Eigen::Index>(s);
     double way = 0.0;
     for (int j = moved_by_[s] - 1; j >= 0; --j) {
-      const bool prismatic = model_->joints[static_cast<std::size_t>(j)].type == JointType::kPrismatic;
+      const bool prismatic = model_->joint(j).type == JointType::kPrismatic;
       const Eigen::Index k = base_dof_ + j;
       levers_(row, k) = levers_at_first_(row, k) + (prismatic ? 0.0 : way);
       way += levers_(row, k) * most[k];

@@ -26,14 +26,14 @@ std::vector<JointLoad> joint_loads(std::shared_ptr<const RobotModel> model, int 
   std::vector<JointLoad> loads;
   const VectorX ready = holding_efforts(kinematics);
   for (int i = 0; i < model->num_joints(); ++i) {
-    const double limit = model->joints[static_cast<std::size_t>(i)].effort;
+    const double limit = model->joint(i).effort;
     if (limit > 0.0) loads.push_back({i, limit, std::abs(ready[i]), std::abs(ready[i]), model->ready, 0.0});
   }
   VectorX q(model->num_joints());
   std::vector<int> beyond(loads.size(), 0);
   for (int s = 1; s <= samples; ++s) {
     for (int i = 0; i < q.size(); ++i) {
-      const auto [lower, upper] = drawn_range(model->joints[static_cast<std::size_t>(i)]);
+      const auto [lower, upper] = drawn_range(model->joint(i));
       q[i] = lower + halton_coordinate(s, i) * (upper - lower);
     }
     kinematics.update(Vector3::Zero(), q);

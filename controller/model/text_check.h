@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace moma {
 
@@ -47,21 +46,5 @@ inline std::string not_text_message(std::string_view text, std::size_t at) {
 inline std::size_t line_of(std::string_view text, std::size_t at) noexcept {
   return 1 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
 }
-
-/// Largest nesting depth of XML elements: parsers recurse, so deeper files are refused before parsing.
-inline constexpr int kMaxXmlDepth = 200;
-
-/// The child elements of a TiXmlElement, all or those of one name; they may be removed while the list is gone through.
-template <class Element>
-std::vector<Element*> children(Element& parent, const char* name = nullptr) {
-  std::vector<Element*> all;
-  for (Element* child = name != nullptr ? parent.FirstChildElement(name) : parent.FirstChildElement(); child != nullptr;
-       child = name != nullptr ? child->NextSiblingElement(name) : child->NextSiblingElement())
-    all.push_back(child);
-  return all;
-}
-
-/// Greatest depth of elements; for malformed text at least the depth that a parser reaches before its error.
-int xml_depth(const std::string& text);
 
 }  // namespace moma

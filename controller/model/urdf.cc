@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "controller/model/text_check.h"
-#include "controller/model/urdf_check.h"
+#include "controller/model/xml_check.h"
 
 namespace moma {
 namespace {
@@ -138,7 +138,7 @@ Amended amend(const std::string& text, UrdfReading reading) {
   for (const char* name : {"material", "transmission", "gazebo", "sensor"}) remove_all(*robot, name);
   for (TiXmlElement* link : children(*robot, "link")) remove_all(*link, "visual");
   Amended amended;
-  amended.left_out = take_out_misunderstood(*robot);
+  amended.left_out = remove_invalid_parts(*robot);
   if (reading == UrdfReading::kStrict && !amended.left_out.empty()) refuse(amended.left_out);
   if (robot->Attribute("name") == nullptr) {
     amended.named = false;
@@ -220,35 +220,30 @@ std::optional<Inertial> inertial_of(const urdf::Link& link) {
 UrdfGeometry geometry_of(const urdf::Collision& source, const std::string& where) {
   UrdfGeometry geometry;
   geometry.X_LS = isometry_of(source.origin, where);
-  Vector3 extent = Vector3::Ones();
+  Shape& shape = geometry.shape;
   switch (source.geometry->type) {
-    case urdf::Geometry::SPHERE: {
-      const auto& sphere = static_cast<const urdf::Sphere&>(*source.geometry);
-      geometry.shape.kind = ShapeKind::kSphere;
-      geometry.shape.size = Vector3(sphere.radius, 0.0, 0.0);
-      extent.x() = sphere.radius;
+    case urdf::Geometry::SPHERE:
+      shape = {ShapeKind::kSphere, {static_cast<const urdf::Sphere&>(*source.geometry).radius, 0.0, 0.0}, nullptr};
       break;
-    }
     case urdf::Geometry::BOX:
-      geometry.shape.kind = ShapeKind::kBox;
-      geometry.shape.size = extent = vector_of(static_cast<const urdf::Box&>(*source.geometry).dim);
+      shape = {ShapeKind::kBox, vector_of(static_cast<const urdf::Box&>(*source.geometry).dim), nullptr};
       break;
     case urdf::Geometry::CYLINDER: {
       const auto& cylinder = static_cast<const urdf::Cylinder&>(*source.geometry);
-      geometry.shape.kind = ShapeKind::kCylinder;
-      geometry.shape.size = Vector3(cylinder.radius, cylinder.length, 0.0);
-      extent.head<2>() = geometry.shape.size.head<2>();
+      shape = {ShapeKind::kCylinder, {cylinder.radius, cylinder.length, 0.0}, nullptr};
       break;
     }
     case urdf::Geometry::MESH: {
       const auto& mesh = static_cast<const urdf::Mesh&>(*source.geometry);
       geometry.mesh = mesh.filename;
       geometry.scale = vector_of(mesh.scale);
-      extent = geometry.scale.cwiseAbs();
       break;
     }
   }
-  if (!extent.allFinite() || !(extent.minCoeff() > 0.0)) throw UrdfError(where + ": every size must be above 0");
+  const Vector3 extent = geometry.mesh.empty() ? shape.size : geometry.scale.cwiseAbs();
+  const int sizes = geometry.mesh.empty() ? num_sizes(shape.kind) : 3;
+  if (!extent.allFinite() || !(extent.head(sizes).minCoeff() > 0.0))
+    throw UrdfError(where + ": every size must be above 0");
   return geometry;
 }
 

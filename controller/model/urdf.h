@@ -64,7 +64,7 @@ struct UrdfTree {
   std::vector<std::string> left_out;  ///< with UrdfReading::kLenient: a sentence each, with line, link and element
 };
 
-/// Treatment of invalid shapes, masses and elements (urdf_check.h).
+/// Treatment of invalid shapes, masses and elements (xml_check.h).
 enum class UrdfReading {
   kStrict,   ///< as errors
   kLenient,  ///< left out, and listed

@@ -1,5 +1,3 @@
-#include "controller/model/urdf_check.h"
-
 #include <tinyxml.h>
 
 #include <algorithm>
@@ -10,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "controller/model/text_check.h"
+#include "controller/model/xml_check.h"
 
 namespace moma {
 namespace {
@@ -47,7 +45,7 @@ struct Content {
 
 class Checker {
  public:
-  std::vector<std::string> take_out_of(TiXmlElement& robot) {
+  std::vector<std::string> check_robot(TiXmlElement& robot) {
     content(robot, "robot", {{}, {"link", "joint"}, {"material", "transmission", "gazebo", "sensor", "ros2_control"}});
     for (TiXmlElement* link : children(robot, "link")) check_link(*link);
     for (TiXmlElement* joint : children(robot, "joint")) check_joint(*joint);
@@ -240,6 +238,6 @@ class Checker {
 
 }  // namespace
 
-std::vector<std::string> take_out_misunderstood(TiXmlElement& robot) { return Checker().take_out_of(robot); }
+std::vector<std::string> remove_invalid_parts(TiXmlElement& robot) { return Checker().check_robot(robot); }
 
 }  // namespace moma

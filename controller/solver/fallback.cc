@@ -1,6 +1,7 @@
 #include "controller/solver/fallback.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace moma {
 namespace {
@@ -19,34 +20,14 @@ bool has_soft(const QpProblem& problem, bool only_separation) noexcept {
 }  // namespace
 
 void StepCounters::count(StepStatus status, Fallback fallback, int left_out) noexcept {
+  long long none = 0;
+  long long* const by_status[] = {&solved, &infeasible, &max_iterations, &invalid_input};
+  long long* const by_fallback[] = {&none, &no_acceleration, &relaxed, &brake};
+  static_assert(std::size(by_status) == words(Of<StepStatus>{}).size());
+  static_assert(std::size(by_fallback) == words(Of<Fallback>{}).size());
   ++steps;
-  switch (status) {
-    case StepStatus::kSolved:
-      ++solved;
-      break;
-    case StepStatus::kInfeasible:
-      ++infeasible;
-      break;
-    case StepStatus::kMaxIterations:
-      ++max_iterations;
-      break;
-    case StepStatus::kInvalidInput:
-      ++invalid_input;
-      break;
-  }
-  switch (fallback) {
-    case Fallback::kNone:
-      break;
-    case Fallback::kNoAcceleration:
-      ++no_acceleration;
-      break;
-    case Fallback::kRelaxed:
-      ++relaxed;
-      break;
-    case Fallback::kBrake:
-      ++brake;
-      break;
-  }
+  ++*by_status[static_cast<std::size_t>(status)];
+  ++*by_fallback[static_cast<std::size_t>(fallback)];
   rows_left_out += left_out;
 }
 

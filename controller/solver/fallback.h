@@ -18,9 +18,8 @@ namespace moma {
 ///  4. brake: x = clip(0, lb, ub) in the original bounds, acceleration included; delta = 0.
 /// With Relaxation::kBackup, stage 3 has two slacks. With u_b the smallest command within the stage's bounds, rows of
 /// resting objects, floor and self give way by s g_r / max g, g_r = max(0, c_r u_b - zeta_r), s >= 0 at cost 1/2 1e6
-/// s^2: full braking, s = max g, is a solution, and rows that braking keeps stay as they are. Rows of moving objects,
-/// which standing still does not avoid, and separation rows share the other slack. allocate() sizes every
-/// workspace for the largest stage; solve() does not allocate with a real-time safe solver.
+/// s^2: full braking, s = max g, is a solution. Rows of moving objects and separation rows share the other slack.
+/// allocate() sizes every workspace for the largest stage; solve() does not allocate with a real-time safe solver.
 class FallbackSolver {
  public:
   struct Outcome {

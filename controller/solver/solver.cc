@@ -120,9 +120,8 @@ std::unique_ptr<QpSolver> make_solver(SolverKind kind) {
     default:
       break;
   }
-  std::string names;
-  for (const SolverKind k : available_solvers()) names += (names.empty() ? "" : ", ") + std::string(to_string(k));
-  throw std::invalid_argument("the solver " + std::string(to_string(kind)) + " is not in this build; it has " + names);
+  throw std::invalid_argument("the solver " + std::string(to_string(kind)) + " is not in this build; it has " +
+                              joined(available_solvers(), to_string<SolverKind>));
 }
 
 }  // namespace moma

@@ -77,7 +77,7 @@ Member read_member(const std::string& name, const config::Node& node, const std:
     return member;
   }
   config::fail(node.key_place(), key,
-               "unknown family" + config::suggestion(name, names) + "; families are: " + config::joined(names));
+               "unknown family" + config::suggestion(name, names) + "; families are: " + joined(names));
 }
 
 Mixture read_mixture(config::MapReader& in) {

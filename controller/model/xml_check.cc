@@ -1,4 +1,4 @@
-#include "controller/model/text_check.h"
+#include "controller/model/xml_check.h"
 
 #include <algorithm>
 
