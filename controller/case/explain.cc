@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <string>
 #include <vector>
 
 #include "controller/case/case_step.h"
+#include "controller/case/formatted.h"
 #include "controller/case/infeasible_set.h"
 #include "controller/case/plan_words.h"
 #include "controller/case/solve.h"
@@ -16,11 +16,7 @@ namespace {
 
 constexpr double kActive = 1e-7;  // a value this near to its limit is held by it [m/s, rad/s]
 
-std::string number(double value, const char* format = "%.4g") {
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, format, value == 0.0 ? 0.0 : value);  // no "-0"
-  return buffer;
-}
+std::string number(double value) { return formatted("%.4g", value); }
 
 std::string name_of(const ControllerCore& controller, int variable) {
   const std::vector<std::string> names = controller.model().velocity_names();
@@ -52,38 +48,43 @@ std::string bound_cause(const CaseStep& step, int variable, bool upper, double b
   if (bound == (upper ? 1.0 : -1.0) * controller.limits().speed()[variable]) return "the speed limit";
   if (base || bound != (upper ? bounds.hard_upper : bounds.hard_lower)[variable]) return "the acceleration limit";
   const int i = variable - model.base_dof();
-  const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+  const ControlledJoint& joint = model.joint(i);
   const double q = controller.kinematics().q()[i];
   const double room = upper ? joint.upper - q : q - joint.lower;
   return std::string("the ") + (upper ? "upper" : "lower") + " joint limit, " + number(room) + " away";
 }
 
+// "JOINT >= -2.175 rad/s: the speed limit".
+std::string bound_text(const CaseStep& step, int variable, const char* relation, bool upper, double bound) {
+  return name_of(step.controller, variable) + relation + number(bound) + " " + unit_of(step.controller, variable) +
+         ": " + bound_cause(step, variable, upper, bound);
+}
+
 // What a row asks, in words.
 std::string row_meaning(const QpProblem& problem, int row) {
   const RowId& id = problem.ids[static_cast<std::size_t>(row)];
+  const double bound = problem.ubA[row];
   switch (id.kind) {
     case RowKind::kTracking: {
       static constexpr const char* kAxis[] = {"turn about x", "turn about y", "turn about z",
                                               "move along x", "move along y", "move along z"};
-      return std::string(kAxis[id.first]) + " at " + number(problem.ubA[row]) + (id.first < 3 ? " rad/s" : " m/s");
+      return formatted("%s at %.4g %s", kAxis[id.first], bound, id.first < 3 ? "rad/s" : "m/s");
     }
     case RowKind::kWheel:
-      return "at most " + number(problem.ubA[row]) + " rad/s either way";
+      return formatted("at most %.4g rad/s either way", bound);
     case RowKind::kDrive:
-      return "of what the drives can change in a period, " + number(0.5 * (problem.ubA[row] - problem.lbA[row])) +
-             " m/s either way";
+      return formatted("of what the drives can change in a period, %.4g m/s either way",
+                       0.5 * (bound - problem.lbA[row]));
     case RowKind::kSeparation:
-      return "may approach what moves at no more than " + number(problem.ubA[row]) + " m/s, to stand before they meet";
+      return formatted("may approach what moves at no more than %.4g m/s, to stand before they meet", bound);
     case RowKind::kObject:
     case RowKind::kFloor:
     case RowKind::kSelf:
       break;
   }
-  const std::string text = (id.d < 0.0 ? "overlapping by " : "distance ") + number(std::abs(id.d)) + " m, ";
   // The row says -n^T v <= bound: a negative bound asks for a retreat.
-  const double bound = problem.ubA[row];
-  return text + (bound >= 0.0 ? "may approach at no more than " : "must retreat at no less than ") +
-         number(std::abs(bound)) + " m/s";
+  return formatted("%s %.4g m, %s %.4g m/s", id.d < 0.0 ? "overlapping by" : "distance", std::abs(id.d),
+                   bound >= 0.0 ? "may approach at no more than" : "must retreat at no less than", std::abs(bound));
 }
 
 struct Active {
@@ -91,30 +92,30 @@ struct Active {
   double multiplier;
 };
 
-std::string describe_active(const CaseStep& step, const StageCheck& check) {
-  const QpProblem& p = check.problem;
+std::string describe_active(const CaseStep& step) {
+  const QpProblem p = step.controller.final_problem();
+  const QpSolution& solution = step.controller.solution();
+  const VectorX x = solution.x.head(p.n());
   std::vector<Active> active;
   for (int i = 0; i < p.rows; ++i) {
     const RowKind kind = p.ids[static_cast<std::size_t>(i)].kind;
     if (kind == RowKind::kTracking) continue;  // told apart, by the slack
-    const double value = p.A.row(i).dot(check.x);
+    const double value = p.A.row(i).dot(x);
     if (p.ubA[i] - value > kActive && value - p.lbA[i] > kActive) continue;
-    active.push_back({step.controller.row_name(i) + ": " + row_meaning(p, i), std::abs(check.report.y[i])});
+    active.push_back({step.controller.row_name(i) + ": " + row_meaning(p, i), std::abs(solution.row_multipliers[i])});
   }
   const int named = step.controller.problem().n();
   for (int i = 0; i < named; ++i) {
-    const bool upper = p.ub[i] - check.x[i] <= kActive;
-    if (!upper && check.x[i] - p.lb[i] > kActive) continue;
-    const double bound = upper ? p.ub[i] : p.lb[i];
-    active.push_back({name_of(step.controller, i) + " at " + number(bound) + " " + unit_of(step.controller, i) + ": " +
-                          bound_cause(step, i, upper, bound),
-                      std::abs(check.report.z[i])});
+    const bool upper = p.ub[i] - x[i] <= kActive;
+    if (!upper && x[i] - p.lb[i] > kActive) continue;
+    active.push_back(
+        {bound_text(step, i, " at ", upper, upper ? p.ub[i] : p.lb[i]), std::abs(solution.bound_multipliers[i])});
   }
   if (active.empty()) return "No limit and no obstacle holds the command: it is what the terms below want.\n";
   std::stable_sort(active.begin(), active.end(),
                    [](const Active& a, const Active& b) { return a.multiplier > b.multiplier; });
   std::string out = "What holds the command (strongest first; the number is the cost saved per unit of relaxation):\n";
-  for (const Active& a : active) out += "  " + number(a.multiplier, "%9.3g") + "  " + a.text + "\n";
+  for (const Active& a : active) out += formatted("  %9.3g  ", a.multiplier) + a.text + "\n";
   return out;
 }
 
@@ -128,8 +129,7 @@ std::string describe_cost(const CaseStep& step) {
   out += total > 0.0 ? ": " + std::string(terms.front().words) + " dominates.\n" : ".\n";
   for (const TermCost& term : terms) {
     const double share = total > 0.0 ? 100.0 * std::abs(term.value) / total : 0.0;
-    out +=
-        "  " + number(term.value, "%10.3g") + "  " + number(share, "%3.0f") + " %  " + std::string(term.words) + "\n";
+    out += formatted("  %10.3g  %3.0f %%  ", term.value, share) + std::string(term.words) + "\n";
   }
   return out;
 }
@@ -146,8 +146,7 @@ std::string describe_infeasible(const CaseStep& step) {
     }
     const bool upper = id.kind == ConstraintId::Kind::kUpperBound;
     const double bound = upper ? problem.ub[id.index] : problem.lb[id.index];
-    out += "  " + name_of(step.controller, id.index) + (upper ? " <= " : " >= ") + number(bound) + " " +
-           unit_of(step.controller, id.index) + ": " + bound_cause(step, id.index, upper, bound) + "\n";
+    out += "  " + bound_text(step, id.index, upper ? " <= " : " >= ", upper, bound) + "\n";
   }
   return out;
 }
@@ -180,27 +179,26 @@ std::string describe_escape(const ControllerCore& controller) {
   if (!params.enabled) return "";
   if (state.detour) {
     const Vector3& p = state.target_W;
-    return "On detour " + std::to_string(state.stagnations) + ", to (" + number(p.x()) + ", " + number(p.y()) + ", " +
-           number(p.z()) + ") for another " + number(state.remaining) + " s; its orientation is nearly free.\n";
+    return formatted("On detour %d, to (%.4g, %.4g, %.4g) for another %.4g s; its orientation is nearly free.\n",
+                     state.stagnations, p.x(), p.y(), p.z(), state.remaining);
   }
-  std::string out = "The way left has not become shorter than " + number(state.best) + " m for " + number(state.idle) +
-                    " s, and stagnated " + std::to_string(state.stagnations) + " times.\n";
-  return out;
+  return formatted("The way left has not become shorter than %.4g m for %.4g s, and stagnated %d times.\n", state.best,
+                   state.idle, state.stagnations);
 }
 
 std::string describe_task(const CaseStep& step) {
   const StepResult& r = step.result;
   const double angle = r.error.head<3>().norm(), distance = r.error.tail<3>().norm();
-  std::string out = "The goal is " + number(distance) + " m and " + number(angle) + " rad away.";
   const Vector6& nu = step.controller.nu();
   const Vector6 got = step.controller.J() * r.command;
-  const auto along = [&](auto wanted, auto is) {
-    return wanted.norm() > 1e-12 ? wanted.dot(is) / wanted.squaredNorm() : 1.0;
+  const auto along = [](const Vector3& wanted, const Vector3& is) {  // [%]
+    return 100.0 * (wanted.norm() > 1e-12 ? wanted.dot(is) / wanted.squaredNorm() : 1.0);
   };
-  out += " The servo asks for " + number(nu.tail<3>().norm()) + " m/s and " + number(nu.head<3>().norm()) +
-         " rad/s; along that the command gives " +
-         number(100.0 * along(nu.tail<3>().eval(), got.tail<3>().eval()), "%.0f") + " % and " +
-         number(100.0 * along(nu.head<3>().eval(), got.head<3>().eval()), "%.0f") + " %.\n";
+  const std::string out = formatted(
+      "The goal is %.4g m and %.4g rad away. The servo asks for %.4g m/s and %.4g rad/s; along that the command gives "
+      "%.0f %% and %.0f %%.\n",
+      distance, angle, nu.tail<3>().norm(), nu.head<3>().norm(), along(nu.tail<3>(), got.tail<3>()),
+      along(nu.head<3>(), got.head<3>()));
   return out + describe_escape(step.controller) + describe_plan(step.given, step.controller);
 }
 
@@ -215,21 +213,17 @@ std::string describe_surroundings(const CaseStep& step) {
       separation += kind == RowKind::kSeparation ? 1 : 0;
       rows += is_collision(kind) ? 1 : 0;
     }
-    out += std::to_string(pairs.size()) + " pairs are within their distance of influence, " + std::to_string(rows) +
-           " of them have a row";
+    out += formatted("%zu pairs are within their distance of influence, %d of them have a row", pairs.size(), rows);
     if (const long long none = controller.counters().rows_left_out; none > 0)
-      out += " (" + std::to_string(none) + " left out: nothing the robot can do would change them)";
+      out += formatted(" (%lld left out: nothing the robot can do would change them)", none);
     out += ".\n";
     if (separation > 0)
-      out += std::to_string(separation) + (separation == 1 ? " row slows" : " rows slow") +
-             " the robot down towards what moves.\n";
+      out += formatted("%d %s the robot down towards what moves.\n", separation,
+                       separation == 1 ? "row slows" : "rows slow");
   }
-  if (step.result.manipulability < 1e-9) {
-    out += "The arm is at a singularity: the manipulability gradient is taken as zero.\n";
-  } else {
-    out += "Manipulability " + number(step.result.manipulability) + ".\n";
-  }
-  return out;
+  return out + (step.result.manipulability < 1e-9
+                    ? "The arm is at a singularity: the manipulability gradient is taken as zero.\n"
+                    : "Manipulability " + number(step.result.manipulability) + ".\n");
 }
 
 }  // namespace
@@ -248,8 +242,8 @@ std::string explain(const ControlCase& control_case) {
   }
   if (step.result.status == StepStatus::kInfeasible) out += describe_infeasible(step);
   out += describe_evasion(step) + describe_fallback(step);
-  if (!has_solution(step)) return out;
-  return out + describe_active(step, check_stage(step)) + describe_cost(step);
+  if (!step.has_solution()) return out;
+  return out + describe_active(step) + describe_cost(step);
 }
 
 }  // namespace moma

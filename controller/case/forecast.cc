@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "controller/ahead/lookahead.h"
 #include "controller/ahead/rollout.h"
@@ -19,14 +20,14 @@ std::string names_of_active(const ControllerCore& controller) {
   constexpr double kActive = 1e-7;
   const QpProblem& p = controller.problem();
   const VectorX& x = controller.solution().x;
-  std::string names;
+  std::vector<std::string> names;
   for (int i = 0; i < p.rows; ++i) {
     if (!is_collision(p.ids[static_cast<std::size_t>(i)].kind)) continue;
     double value = 0.0;
     for (int j = 0; j < p.n(); ++j) value += p.A(i, j) * x[j];
-    if (p.ubA[i] - value < kActive) names += (names.empty() ? "" : ", ") + controller.row_name(i);
+    if (p.ubA[i] - value < kActive) names.push_back(controller.row_name(i));
   }
-  return names.empty() ? "no row" : names;
+  return names.empty() ? "no row" : joined(names);
 }
 
 std::string place(const Rollout& rollout) {

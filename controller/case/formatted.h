@@ -1,15 +1,22 @@
 #pragma once
 
+#include <concepts>
 #include <cstdio>
 #include <string>
 
 namespace moma {
 
-/// As printf has it; up to 200 characters.
+/// As printf has it, without "-0"; up to 300 characters.
 template <class... Values>
 std::string formatted(const char* format, Values... values) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof buffer, format, values...);
+  const auto plain = [](auto value) {
+    if constexpr (std::floating_point<decltype(value)>)
+      return value + 0.0;
+    else
+      return value;
+  };
+  char buffer[300];
+  std::snprintf(buffer, sizeof buffer, format, plain(values)...);
   return buffer;
 }
 

@@ -82,11 +82,8 @@ Isometry read_goal(const Node& node, const std::string& key) {
   return X;
 }
 
-template <class Values>
-nlohmann::ordered_json numbers(const Values& values) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const double value : values) list.push_back(value);
-  return list;
+nlohmann::ordered_json numbers(const WholeConfiguration& c) {
+  return config::description::list_to_json({c.data(), static_cast<std::size_t>(c.size())});
 }
 
 nlohmann::ordered_json pose(const Isometry& X) {

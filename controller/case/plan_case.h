@@ -9,11 +9,10 @@
 
 namespace moma {
 
-/// What looking ahead remembers, as `state.plan` of a case file has it and `moma solve` writes it: the members of
-/// PlanBrief and PlanState, `start` as in `state.escape`, `goal` {position, quaternion} of the step before and `path`
-/// {origin, motions: [{start, time, ramp, change}], duration, clearance, goal}, absent where there is none. `origin`
-/// and `change` have a value for x, y, phi of the base and for each joint. Throws config::ConfigError naming file,
-/// line, key and what would be accepted.
+/// Reads the look-ahead's memory, `state.plan` of a case file: the members of PlanBrief and PlanState, `start` as in
+/// `state.escape`, `goal` {position, quaternion} of the step before and, if there is one, `path` {origin, motions:
+/// [{start, time, ramp, change}], duration, clearance, goal}. `origin` and `change` have a value for x, y, phi of the
+/// base and for each joint. Throws config::ConfigError.
 PlanState read_plan_state(const config::Node& node, const std::string& key, const RobotModel& model);
 
 nlohmann::ordered_json to_json(const PlanState& state);

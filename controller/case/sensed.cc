@@ -38,9 +38,8 @@ VectorX read_named(const Node& node, const std::string& key, const std::vector<s
   if (node.kind != Node::Kind::kSequence || static_cast<int>(node.items.size()) != count) {
     const std::string found =
         node.kind == Node::Kind::kSequence ? "a list of " + std::to_string(node.items.size()) : std::string("no list");
-    std::string all;
-    for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-    config::fail(node.mark, key, "found " + found + ", expected " + std::to_string(count) + " numbers: " + all);
+    config::fail(node.mark, key,
+                 "found " + found + ", expected " + std::to_string(count) + " numbers: " + joined(names));
   }
   const std::vector<double> v = config::read_numbers(node, key, count);
   return Eigen::Map<const VectorX>(v.data(), count);

@@ -56,9 +56,7 @@ class Reading {
     } else if constexpr (NumberList<V>) {
       std::vector<std::string> names = model_.velocity_names();
       if (about.per == Per::kJoint) names.erase(names.begin(), names.begin() + model_.base_dof());
-      std::string all;
-      for (const std::string& joint : names) all += (all.empty() ? "one value each: " : ", ") + joint;
-      if (about.required) in_.require(name, all);
+      if (about.required) in_.require(name, (names.empty() ? "" : "one value each: ") + joined(names));
       value = VectorX::Zero(static_cast<Eigen::Index>(names.size()));
       if (const config::Node* node = in_.get(name)) value = read_named(*node, in_.key_of(name), names);
     } else if constexpr (is_here<V>) {

@@ -39,7 +39,7 @@ Json pose(const Isometry& X) {
 
 Json distance(const ProximityPair& pair, const ControllerCore& controller) {
   const RobotModel& model = controller.model();
-  const auto shape = [&](int i) -> const CollisionShape& { return model.shapes[static_cast<std::size_t>(i)]; };
+  const auto shape = [&](int i) -> const CollisionShape& { return model.shape(i); };
   std::string kind = "object", second;
   switch (pair.kind) {
     case PairKind::kObject:
@@ -53,7 +53,7 @@ Json distance(const ProximityPair& pair, const ControllerCore& controller) {
       second = shape(pair.second).name;
       break;
   }
-  const std::string& link = model.links[static_cast<std::size_t>(shape(pair.first).link)].name;
+  const std::string& link = model.link(shape(pair.first).link).name;
   return {{"link", link},
           {"object", second},
           {"d", number(pair.distance.d)},
@@ -105,7 +105,7 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   out["distances"] = Json::array();
   for (const ProximityPair& pair : controller.distances()) out["distances"].push_back(distance(pair, controller));
   out["wheels"] = numbers(controller.wheels());
-  out["kkt_residual"] = has_solution(step) ? number(check_stage(step).report.residual()) : Json();
+  out["kkt_residual"] = step.has_solution() ? number(controller.kkt_residual()) : Json();
   out["iterations"] = result.iterations;
   out["escape"] = config::write_described(controller.escape_state());  // the next step's `state.escape`
   if (controller.lookahead() != nullptr)

@@ -14,19 +14,18 @@ namespace moma {
 ///
 /// Keys: status, fallback, qdot, delta, cost (of the original objective, constants left out), pose, error [e_R; e_p],
 /// error_norm (clamped, as weighed), nu, J (6 x n), manipulability, J_m, theta_eps, Q, c, A, lbA, ubA, lb, ub, rows
-/// (names), distances, wheels, kkt_residual, iterations, escape (what the controller remembers after the step), plan
-/// (the same of looking ahead, where that is on). Methods
-/// without a QP have empty Q .. rows and a null residual.
+/// (names), distances, wheels, kkt_residual, iterations, escape and plan (the controller's memory after the step).
+/// Methods without a QP have empty Q .. rows and a null residual.
 ///
-/// kkt_residual is the largest violation of the optimality conditions (kkt.h) of the problem whose solution the command
-/// is: the original, or the stage of the fallback; null where the command brakes.
+/// kkt_residual is the largest violation of the optimality conditions (qp/problem.h) by the solution and multipliers of
+/// the stage that gave the command: the original problem, or one of the fallback; null where the command brakes.
 nlohmann::ordered_json solve(const ControlCase& control_case);
 
 /// The JSON as text for people and programs alike: one key to a line, one row of a matrix to a line.
 std::string layout(const nlohmann::ordered_json& solution);
 
-/// The same step in words: which constraints hold the command, which rows make the problem infeasible (a minimal set),
-/// which term dominates the cost, whether distances or singularities are near.
+/// The same step in words: constraints that hold the command, a minimal set of rows that make the problem infeasible,
+/// the dominating term of the cost, near objects and singularities.
 std::string explain(const ControlCase& control_case);
 
 struct SolverInfo {

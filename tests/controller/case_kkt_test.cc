@@ -1,4 +1,4 @@
-#include "controller/case/kkt.h"
+#include "tests/support/kkt.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "controller/case/case_step.h"
 #include "controller/case/solve.h"
 #include "controller/solver/solver.h"
+#include "tests/support/kkt.h"
 
 namespace moma {
 namespace {
@@ -162,6 +164,12 @@ TEST_P(QpCase, Solution) {
     EXPECT_NEAR(solved_["cost"].get<double>(), cost, kCost * std::max(1.0, std::abs(cost)));
   }
   EXPECT_LT(solved_["kkt_residual"].get<double>(), 1e-7);
+  // And by multipliers that no solver found.
+  const CaseStep step(given_);
+  const QpProblem p = step.controller.final_problem();
+  const MatrixX Q = p.H.asDiagonal(), A = p.A.topRows(p.rows);
+  const VectorX lbA = p.lbA.head(p.rows), ubA = p.ubA.head(p.rows);
+  EXPECT_LT(check_kkt({Q, p.g, A, lbA, ubA, p.lb, p.ub}, step.controller.solution().x.head(p.n())).residual(), 1e-7);
 }
 
 TEST_P(QpCase, EverySolverAgrees) {
