@@ -1,10 +1,10 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <exception>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "controller/describe/numbers.h"
 #include "controller/step_described.h"
@@ -41,24 +41,26 @@ inline ObjectShape read_shape(const moma_object_shape& object) {
   return out;
 }
 
-/// Runs `body`; what it throws becomes `failed` and a text, as the functions of a plugin hand it over: no exception
-/// crosses the border of C.
+/// Runs `call` and returns the text of the exception that it throws, if any.
+template <typename Call>
+std::optional<std::string> thrown_by(Call call) {
+  try {
+    call();
+    return {};
+  } catch (const std::exception& e) {
+    return e.what();
+  } catch (...) {
+    return "an exception of unknown type";
+  }
+}
+
+/// Runs `body`. An exception does not cross the border of C: it becomes the result `failed` and a text in `error`.
 template <typename Result, typename Body>
 Result guarded(Result failed, char* error, std::size_t error_size, Body body) noexcept {
-  const auto say = [&](const char* text) {
-    if (error == nullptr || error_size == 0) return;
-    const std::size_t length = std::min(std::strlen(text), error_size - 1);
-    std::memcpy(error, text, length);
-    error[length] = '\0';
-  };
-  try {
-    return body();
-  } catch (const std::exception& e) {
-    say(e.what());
-  } catch (...) {
-    say("an exception of unknown type");
-  }
-  return failed;
+  Result result = failed;
+  const auto thrown = thrown_by([&] { result = body(); });
+  if (thrown && error != nullptr && error_size > 0) error[thrown->copy(error, error_size - 1)] = '\0';
+  return thrown ? failed : result;
 }
 
 }  // namespace moma::plugin

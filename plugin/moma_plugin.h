@@ -22,8 +22,8 @@
 extern "C" {
 #endif
 
-/** Raised whenever a function or struct below changes, and with it the protocol of processes (plugin/process/frame.h).
- * A library made for another version is refused. */
+/** Raised whenever a function or struct below changes, and with it the protocol of processes
+ * (plugin/process/session.h). A library made for another version is refused. */
 #define MOMA_PLUGIN_ABI 3
 
 #if defined(_WIN32)

@@ -6,10 +6,13 @@
 #include <link.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <mutex>
 #include <string_view>
 
 namespace moma {
@@ -64,50 +67,28 @@ void find(void* handle, const char* name, Function& function) {
   }
 }
 
-struct Comparison {
-  ElfW(Addr) base;
-  std::string_view content;
-  bool found = false;
-  bool same = true;
-};
-
-// By their hashes: AddressSanitizer stops a memcmp over the gaps between a library's constants.
-bool same_bytes(const void* first, const void* second, std::size_t size) {
-  return XXH128_isEqual(XXH3_128bits(first, size), XXH3_128bits(second, size)) != 0;
-}
-
-// Segments that are never written to are in memory as they are in the file.
-int compare(dl_phdr_info* info, std::size_t, void* data) {
-  auto& c = *static_cast<Comparison*>(data);
-  if (info->dlpi_addr != c.base) return 0;
-  c.found = true;
-  for (int i = 0; i < info->dlpi_phnum; ++i) {
-    const ElfW(Phdr)& part = info->dlpi_phdr[i];
-    if (part.p_type != PT_LOAD || (part.p_flags & PF_W) != 0 || (part.p_flags & PF_R) == 0) continue;
-    const bool inside = part.p_offset <= c.content.size() && part.p_filesz <= c.content.size() - part.p_offset;
-    c.same = c.same && inside &&
-             same_bytes(reinterpret_cast<const void*>(c.base + part.p_vaddr), c.content.data() + part.p_offset,
-                        part.p_filesz);
-  }
-  return 1;
-}
-
-// The loader gives back what it holds already under a name, whatever the file has become since.
-void check_code(void* handle, const std::string& content) {
-  link_map* map = nullptr;
-  if (::dlinfo(handle, RTLD_DI_LINKMAP, &map) != 0) return;
-  Comparison c{map->l_addr, content};
-  ::dl_iterate_phdr(compare, &c);
-  if (c.found && !c.same)
-    throw PluginError("has changed since this process loaded it; start moma again to use the new one");
-}
-
 std::string digest_of(const std::string& content) {
   const XXH128_hash_t hash = XXH3_128bits(content.data(), content.size());
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
+// Refuses a file that changed after this process loaded it, or while it did: the loader returns what it holds under a
+// name already, whatever the file has become.
+void check_code(const fs::path& file, const std::string& digest) {
+  static std::mutex mutex;
+  static std::map<fs::path, std::string> loaded;
+  const std::scoped_lock lock(mutex);
+  if (loaded.emplace(file, digest).first->second != digest || plugin_digest(file) != digest)
+    throw PluginError("has changed since this process loaded it; start moma again to use the new one");
+}
+
 }  // namespace
+
+std::string without_controls(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
+  return text;
+}
 
 std::string plugin_digest(const fs::path& file) { return digest_of(content_of(file)); }
 
@@ -124,7 +105,7 @@ std::shared_ptr<const PluginLibrary> load_plugin(const fs::path& file) {
     throw PluginError(
         fmt::format("{} cannot be loaded as a shared library: {}", library->file.string(), loader_says(library->file)));
   }
-  check_code(handle, content);
+  check_code(library->file, library->digest);
 
   decltype(&moma_plugin_abi) abi = nullptr;
   find(handle, "moma_plugin_abi", abi);

@@ -17,6 +17,7 @@
 #include "controller/closed_form/closed_form.h"
 #include "controller/describe/check.h"
 #include "controller/model/text_check.h"
+#include "controller/step.h"
 #include "plugin/border.h"
 
 namespace moma {
@@ -59,47 +60,109 @@ using PluginText = std::array<char, 4096>;
 /// Its words, as far as there are any, without control characters and what is no UTF-8; else `otherwise`.
 std::string plugin_says(PluginText& text, const char* otherwise) {
   text.back() = '\0';
-  std::string message(text.data());
+  std::string message = without_controls(text.data());
   for (std::size_t i = 0; i < message.size();) {
     const std::size_t length = utf8_length(std::string_view(message).substr(i));
     if (length == 0) message[i] = '?';
-    if (length == 1 && (static_cast<unsigned char>(message[i]) < ' ' || message[i] == 0x7f)) message[i] = ' ';
     i += std::max<std::size_t>(length, 1);
   }
   return message.empty() ? otherwise : message;
 }
 
-/// Runs `call`; false, with the reason, where an exception came out of the plugin.
-template <typename Call>
-bool plugin_call(std::string& thrown, Call call) {
-  try {
-    call();
-    return true;
-  } catch (const std::exception& e) {
-    thrown = e.what();
-  } catch (...) {
-    thrown = "an exception of unknown type";
-  }
-  return false;
-}
-
 /// See Plugin::make().
 class PluginController final : public StepController {
  public:
-  explicit PluginController(std::shared_ptr<const Plugin> plugin);
-  ~PluginController() override;
+  explicit PluginController(std::shared_ptr<const Plugin> plugin)
+      : plugin_(std::move(plugin)),
+        limits_(plugin_->model().velocity_limits()),
+        command_(VectorX::Zero(limits_.size())) {}
+  ~PluginController() override { stop(); }
   PluginController(const PluginController&) = delete;
   PluginController& operator=(const PluginController&) = delete;
 
-  void reset(std::span<const ObjectShape> objects) override;
-  void step(const Observation& observation, StepResult& result) noexcept override;
-  void prepare(StepResult& result) const override;
+  void reset(std::span<const ObjectShape> objects) override {
+    stop();
+    failure_.clear();
+    failure_.reserve(2 * text_.size());
+    const std::vector<moma_object_shape> shapes = shapes_of(objects);
+    text_ = {};
+    const auto thrown = plugin::thrown_by([&] {
+      controller_ = plugin_->library().functions.start(plugin_->handle(), shapes.data(), shapes.size(), text_.data(),
+                                                       text_.size());
+    });
+    if (thrown) throw PluginError("the plugin throws when it starts: " + *thrown);
+    if (controller_ == nullptr)
+      throw PluginError("the plugin does not start: " + plugin_says(text_, "no reason given"));
+    num_objects_ = objects.size();
+    const RobotModel& model = plugin_->model();
+    numbers_.resize(plugin::count_numbers(model.joints.size(), static_cast<std::size_t>(limits_.size()), num_objects_));
+  }
+  void step(const Observation& observation, StepResult& result) noexcept override {
+    if (!failure_.empty() || controller_ == nullptr || observation.q.size() != plugin_->model().num_joints() ||
+        observation.qdot.size() != limits_.size() || observation.objects.size() != num_objects_ ||
+        result.command.size() != limits_.size()) {
+      if (failure_.empty()) fail("got an observation of another robot or of other objects", {}, result);
+      return;
+    }
+    pack(observation, numbers_.data());
+    std::memcpy(&seen_, numbers_.data(), offsetof(moma_observation, q));
+    seen_.q = numbers_.data() + fixed_numbers<Observation>();
+    seen_.qdot = seen_.q + observation.q.size();
+    seen_.objects = reinterpret_cast<const moma_object_state*>(seen_.qdot + observation.qdot.size());
+    seen_.num_objects = num_objects_;
+    seen_.numbers = numbers_.data();
+    seen_.num_numbers = numbers_.size();
+
+    answer_ = {};
+    answer_.command = command_.data();
+    answer_.least_distance = kInfinity;
+    command_.setConstant(std::numeric_limits<double>::quiet_NaN());
+    text_[0] = '\0';
+    int failed = 0;
+    const auto thrown = plugin::thrown_by(
+        [&] { failed = plugin_->library().functions.step(controller_, &seen_, &answer_, text_.data(), text_.size()); });
+    if (thrown) return fail("throws", *thrown, result);
+    if (failed != 0) return fail("fails", plugin_says(text_, "no reason given"), result);
+    for (Eigen::Index i = 0; i < command_.size(); ++i) {
+      if (std::isfinite(command_[i])) continue;
+      return fail(fmt::format("commands {} for {}", command_[i],
+                              plugin_->model().velocity_names()[static_cast<std::size_t>(i)]),
+                  {}, result);
+    }
+    read(result);
+  }
+  void prepare(StepResult& result) const override { result.command = VectorX::Zero(limits_.size()); }
   std::string_view failure() const noexcept override { return failure_; }
 
  private:
-  void stop() noexcept;
-  void fail(std::string_view what, std::string_view detail, StepResult& result) noexcept;
-  void read(StepResult& result) noexcept;
+  void stop() noexcept {
+    if (controller_ != nullptr) plugin::thrown_by([&] { plugin_->library().functions.stop(controller_); });
+    controller_ = nullptr;
+  }
+  void fail(std::string_view what, std::string_view detail, StepResult& result) noexcept {
+    result.command.setZero();
+    result.status = StepStatus::kInvalidInput;
+    result.fallback = Fallback::kBrake;
+    try {
+      failure_ = fmt::format("the plugin {}{}{}", what, detail.empty() ? "" : ": ", detail);
+    } catch (...) {
+      failure_ = "the plugin failed";  // short enough to need no memory
+    }
+  }
+  void read(StepResult& result) noexcept {
+    double details[fixed_numbers<Details>()];
+    std::memcpy(details, plugin::details_of(answer_), sizeof details);
+    unpack_part<Details>(details, checked_);
+    std::vector<Violation> wrong;
+    description::Check<StepResult> check(checked_, {}, "", wrong);
+    describe(check, Of<Details>{});
+    if (!wrong.empty())
+      return fail(fmt::format("answers, but {} {}", wrong.front().key, wrong.front().message), {}, result);
+    result.command = command_;
+    scale_into_limits(plugin_->model(), limits_, result.command);
+    unpack_part<Details>(details, result);
+    result.solve_seconds = std::isfinite(answer_.solve_seconds) ? std::max(0.0, answer_.solve_seconds) : 0.0;
+  }
 
   std::shared_ptr<const Plugin> plugin_;
   void* controller_ = nullptr;
@@ -113,102 +176,6 @@ class PluginController final : public StepController {
   PluginText text_{};
   std::string failure_;
 };
-
-PluginController::PluginController(std::shared_ptr<const Plugin> plugin)
-    : plugin_(std::move(plugin)),
-      limits_(plugin_->model().velocity_limits()),
-      command_(VectorX::Zero(limits_.size())) {}
-
-PluginController::~PluginController() { stop(); }
-
-void PluginController::stop() noexcept {
-  std::string thrown;
-  if (controller_ != nullptr) plugin_call(thrown, [&] { plugin_->library().functions.stop(controller_); });
-  controller_ = nullptr;
-}
-
-void PluginController::reset(std::span<const ObjectShape> objects) {
-  stop();
-  failure_.clear();
-  failure_.reserve(2 * text_.size());
-  const std::vector<moma_object_shape> shapes = shapes_of(objects);
-  text_ = {};
-  std::string thrown;
-  const bool returned = plugin_call(thrown, [&] {
-    controller_ =
-        plugin_->library().functions.start(plugin_->handle(), shapes.data(), shapes.size(), text_.data(), text_.size());
-  });
-  if (!returned) throw PluginError("the plugin throws when it starts: " + thrown);
-  if (controller_ == nullptr) throw PluginError("the plugin does not start: " + plugin_says(text_, "no reason given"));
-  num_objects_ = objects.size();
-  const RobotModel& model = plugin_->model();
-  numbers_.resize(plugin::count_numbers(model.joints.size(), static_cast<std::size_t>(limits_.size()), num_objects_));
-}
-
-void PluginController::prepare(StepResult& result) const { result.command = VectorX::Zero(limits_.size()); }
-
-void PluginController::fail(std::string_view what, std::string_view detail, StepResult& result) noexcept {
-  result.command.setZero();
-  result.status = StepStatus::kInvalidInput;
-  result.fallback = Fallback::kBrake;
-  try {
-    failure_ = fmt::format("the plugin {}{}{}", what, detail.empty() ? "" : ": ", detail);
-  } catch (...) {
-    failure_ = "the plugin failed";  // short enough to need no memory
-  }
-}
-
-void PluginController::step(const Observation& observation, StepResult& result) noexcept {
-  if (!failure_.empty() || controller_ == nullptr || observation.q.size() != plugin_->model().num_joints() ||
-      observation.qdot.size() != limits_.size() || observation.objects.size() != num_objects_ ||
-      result.command.size() != limits_.size()) {
-    if (failure_.empty()) fail("got an observation of another robot or of other objects", {}, result);
-    return;
-  }
-  pack(observation, numbers_.data());
-  std::memcpy(&seen_, numbers_.data(), offsetof(moma_observation, q));
-  seen_.q = numbers_.data() + fixed_numbers<Observation>();
-  seen_.qdot = seen_.q + observation.q.size();
-  seen_.objects = reinterpret_cast<const moma_object_state*>(seen_.qdot + observation.qdot.size());
-  seen_.num_objects = num_objects_;
-  seen_.numbers = numbers_.data();
-  seen_.num_numbers = numbers_.size();
-
-  answer_ = {};
-  answer_.command = command_.data();
-  answer_.least_distance = kInfinity;
-  command_.setConstant(std::numeric_limits<double>::quiet_NaN());
-  text_[0] = '\0';
-  int failed = 0;
-  std::string thrown;
-  const bool returned = plugin_call(thrown, [&] {
-    failed = plugin_->library().functions.step(controller_, &seen_, &answer_, text_.data(), text_.size());
-  });
-  if (!returned) return fail("throws", thrown, result);
-  if (failed != 0) return fail("fails", plugin_says(text_, "no reason given"), result);
-  for (Eigen::Index i = 0; i < command_.size(); ++i) {
-    if (std::isfinite(command_[i])) continue;
-    return fail(
-        fmt::format("commands {} for {}", command_[i], plugin_->model().velocity_names()[static_cast<std::size_t>(i)]),
-        {}, result);
-  }
-  read(result);
-}
-
-void PluginController::read(StepResult& result) noexcept {
-  double details[fixed_numbers<Details>()];
-  std::memcpy(details, plugin::details_of(answer_), sizeof details);
-  unpack_part<Details>(details, checked_);
-  std::vector<Violation> wrong;
-  description::Check<StepResult> check(checked_, {}, "", wrong);
-  describe(check, Of<Details>{});
-  if (!wrong.empty())
-    return fail(fmt::format("answers, but {} {}", wrong.front().key, wrong.front().message), {}, result);
-  result.command = command_;
-  scale_into_limits(plugin_->model(), limits_, result.command);
-  unpack_part<Details>(details, result);
-  result.solve_seconds = std::isfinite(answer_.solve_seconds) ? std::max(0.0, answer_.solve_seconds) : 0.0;
-}
 
 }  // namespace
 
@@ -244,17 +211,15 @@ std::shared_ptr<const Plugin> Plugin::open(std::shared_ptr<const PluginLibrary> 
   setup.velocity_limits = limits.data();
 
   PluginText text{};
-  std::string thrown;
-  if (!plugin_call(thrown,
-                   [&] { plugin->handle_ = plugin->library_->functions.open(&setup, text.data(), text.size()); }))
-    throw PluginError("moma_plugin_open() throws: " + thrown);
+  const auto thrown =
+      plugin::thrown_by([&] { plugin->handle_ = plugin->library_->functions.open(&setup, text.data(), text.size()); });
+  if (thrown) throw PluginError("moma_plugin_open() throws: " + *thrown);
   if (plugin->handle_ == nullptr) throw PluginError(plugin_says(text, "it refuses this robot and these parameters"));
   return plugin;
 }
 
 Plugin::~Plugin() {
-  std::string thrown;
-  if (handle_ != nullptr) plugin_call(thrown, [&] { library_->functions.close(handle_); });
+  if (handle_ != nullptr) plugin::thrown_by([&] { library_->functions.close(handle_); });
 }
 
 std::unique_ptr<StepController> Plugin::make() const { return std::make_unique<PluginController>(shared_from_this()); }

@@ -7,10 +7,11 @@
 #include <string_view>
 
 #include "controller/config/robot_file.h"
-#include "controller/step.h"
 #include "plugin/host/library.h"
 
 namespace moma {
+
+class StepController;
 
 /// A plugin opened for one robot, with one set of parameters: makes controllers, for several threads at once.
 class Plugin : public std::enable_shared_from_this<Plugin> {
@@ -27,10 +28,10 @@ class Plugin : public std::enable_shared_from_this<Plugin> {
   const RobotModel& model() const noexcept { return *robot_->model; }
   void* handle() const noexcept { return handle_; }
 
-  /// A controller behind moma's step interface. Its reset() throws PluginError where the plugin fails to start. Its
-  /// step() is as free of allocations as the plugin's; where the plugin fails, throws, or answers with numbers that are
-  /// not finite, the command is zero and failure() says why. Commands beyond the robot's speeds are scaled into them as
-  /// a whole, wheels included, as those of moma's closed-form methods.
+  /// A controller behind moma's step interface. Its reset() throws PluginError if the plugin fails to start. Its step()
+  /// allocates as little as the plugin's; if the plugin fails, throws or answers with numbers that are not finite, the
+  /// command is zero and failure() says why. Commands beyond the robot's speeds, wheels included, are scaled as a
+  /// whole.
   std::unique_ptr<StepController> make() const;
 
  private:
@@ -40,9 +41,8 @@ class Plugin : public std::enable_shared_from_this<Plugin> {
   void* handle_ = nullptr;
 };
 
-/// The words around which a process is said to have answered too late (plugin/process/session.cc): the reason of a
-/// trial that ended because real time ran out. It says how busy a machine was, nothing of a controller, and such a
-/// trial is tried again instead of being kept. Stores of earlier versions hold such reasons in the same words.
+/// Parts of the reason of a trial that ended because real time ran out (plugin/process/session.cc). It depends on the
+/// machine and not on the controller, so such a trial is not kept. Stores of earlier versions hold the same words.
 inline constexpr std::string_view kLateBefore = "its process gave no answer ", kLateAfter = " s and was killed";
 
 inline bool is_late(std::string_view reason) noexcept {

@@ -10,10 +10,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -29,6 +31,9 @@
 namespace moma {
 namespace {
 
+/// The environment variable that marks every process of a Child and its descendants.
+constexpr const char* kWorkerVariable = "MOMA_WORKER";
+
 // $1: what the marks of all begin with. Each line: a mark whose processes are to go. Its end: moma is gone.
 constexpr const char* kScript = R"(
 sweep() {
@@ -42,122 +47,106 @@ while read -r mark; do sweep "$mark\$"; done
 sweep "$1"
 )";
 
-}  // namespace
-
-Leftovers& Leftovers::of_this_process() {
-  static std::mutex mutex;
-  static std::unique_ptr<Leftovers> own;
-  const std::scoped_lock lock(mutex);
-  if (own == nullptr || own->owner_ != ::getpid()) own = std::make_unique<Leftovers>();  // after a fork, another
-  return *own;
-}
-
-Leftovers::Leftovers()
-    : owner_(::getpid()),
-      prefix_(fmt::format("{}-{}-", owner_, std::chrono::steady_clock::now().time_since_epoch().count())) {
-  int ends[2];
-  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return;
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);  // a signal to moma's group does not reach it
-  posix_spawn_file_actions_adddup2(&actions, ends[1], 0);
-  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addclosefrom_np(&actions, 3);
-  posix_spawn_file_actions_addchdir_np(&actions, "/");
-  const char* const arguments[] = {"sh", "-c", kScript, "moma-leftovers", prefix_.c_str(), nullptr};
-  pid_t pid = -1;
-  const int error = posix_spawnp(&pid, "sh", &actions, &attributes, const_cast<char* const*>(arguments), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
-  ::close(ends[1]);
-  line_ = ends[0];
-  if (error != 0) {
-    ::close(line_);
-    line_ = -1;
-  }
-}
-
-Leftovers::~Leftovers() {
-  if (line_ >= 0) ::close(line_);
-}
-
-std::string Leftovers::new_mark() { return prefix_ + std::to_string(++marks_); }
-
-void Leftovers::kill(const std::string& mark) noexcept {
-  char text[128];
-  const auto end = fmt::format_to_n(text, sizeof text, "{}\n", mark);
-  if (line_ >= 0) [[maybe_unused]]
-    const ssize_t sent = ::send(line_, text, end.size, MSG_NOSIGNAL | MSG_DONTWAIT);
-}
-
-namespace {
-
-/// Closed at its end.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int value) : value_(value) {}
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const noexcept { return value_; }
-  void set(int value) noexcept { value_ = value; }
-  int release() noexcept { return std::exchange(value_, -1); }
-
- private:
-  int value_ = -1;
-};
-
 [[noreturn]] void fail(const char* what, int error) {
   throw PluginError(fmt::format("{}: {}", what, std::generic_category().message(error)));
 }
 
 // posix_spawn copies nothing of this process and takes no lock of it: other threads may be anywhere.
-class Spawning {
- public:
+struct Spawning {
   Spawning() {
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawnattr_init(&attributes_);
+    posix_spawn_file_actions_init(&actions);
+    posix_spawnattr_init(&attributes);
   }
   ~Spawning() {
-    posix_spawn_file_actions_destroy(&actions_);
-    posix_spawnattr_destroy(&attributes_);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
   }
   Spawning(const Spawning&) = delete;
   Spawning& operator=(const Spawning&) = delete;
 
-  pid_t start(const ProcessCommand& command, int line, int errors, char* const* environment) {
-    sigset_t none, pipe;
-    sigemptyset(&none);
-    sigemptyset(&pipe);
-    sigaddset(&pipe, SIGPIPE);
-    posix_spawnattr_setsigmask(&attributes_, &none);
-    posix_spawnattr_setsigdefault(&attributes_, &pipe);
-    posix_spawnattr_setpgroup(&attributes_, 0);
-    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
-    int error = posix_spawn_file_actions_adddup2(&actions_, line, 0);
-    if (error == 0) error = posix_spawn_file_actions_adddup2(&actions_, line, 1);
-    if (error == 0) error = posix_spawn_file_actions_adddup2(&actions_, errors, 2);
-    if (error == 0) error = posix_spawn_file_actions_addclosefrom_np(&actions_, 3);
-    if (error == 0) error = posix_spawn_file_actions_addchdir_np(&actions_, command.directory.c_str());
-    std::vector<char*> arguments;
-    for (const std::string& argument : command.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
-    arguments.push_back(nullptr);
+  /// Redirects descriptors 0, 1 and 2 and closes all others. Returns an error number, 0 for success.
+  int redirect(int input, int output, int errors, const char* directory) {
+    const int from[] = {input, output, errors};
+    int error = 0;
+    for (int i = 0; i < 3 && error == 0; ++i)
+      error = from[i] >= 0 ? posix_spawn_file_actions_adddup2(&actions, from[i], i)
+                           : posix_spawn_file_actions_addopen(&actions, i, "/dev/null", O_WRONLY, 0);
+    if (error == 0) error = posix_spawn_file_actions_addclosefrom_np(&actions, 3);
+    return error != 0 ? error : posix_spawn_file_actions_addchdir_np(&actions, directory);
+  }
+
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+};
+
+/// Kills processes that outlive their Child: those that left its group (setsid), and all of them if this process ends,
+/// however it does. A process of sh does so, by their mark in /proc/*/environ. (A parent-death signal is bound to the
+/// thread that started the child, and threads end.) Without sh, processes that left their group stay.
+class Leftovers {
+ public:
+  /// The instance of this process, which the first call creates.
+  static Leftovers& of_this_process() {
+    static std::mutex mutex;
+    static std::unique_ptr<Leftovers> own;
+    const std::scoped_lock lock(mutex);
+    if (own == nullptr || own->owner_ != ::getpid()) own = std::make_unique<Leftovers>();  // after a fork, another
+    return *own;
+  }
+
+  Leftovers() {
+    int ends[2];
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return;
+    line_.reset(ends[0]);
+    const Descriptor theirs(ends[1]);
+    Spawning spawning;
+    posix_spawnattr_setflags(&spawning.attributes, POSIX_SPAWN_SETSID);  // signals to moma's group do not reach it
+    spawning.redirect(theirs.get(), -1, -1, "/");
+    const char* const arguments[] = {"sh", "-c", kScript, "moma-leftovers", prefix_.c_str(), nullptr};
     pid_t pid = -1;
-    if (error == 0) error = posix_spawnp(&pid, arguments[0], &actions_, &attributes_, arguments.data(), environment);
-    if (error != 0) fail(command.arguments.front().c_str(), error);
-    return pid;
+    if (posix_spawnp(&pid, "sh", &spawning.actions, &spawning.attributes, const_cast<char* const*>(arguments),
+                     environ) != 0)
+      line_.reset();
+  }
+
+  /// Returns a mark that no process has yet.
+  std::string new_mark() { return prefix_ + std::to_string(++marks_); }
+  /// Kills all processes of this mark, soon.
+  void kill(const std::string& mark) noexcept {
+    char text[128];
+    const auto end = fmt::format_to_n(text, sizeof text, "{}\n", mark);
+    if (line_.get() >= 0) [[maybe_unused]]
+      const ssize_t sent = ::send(line_.get(), text, end.size, MSG_NOSIGNAL | MSG_DONTWAIT);
   }
 
  private:
-  posix_spawn_file_actions_t actions_;
-  posix_spawnattr_t attributes_;
+  const pid_t owner_ = ::getpid();
+  const std::string prefix_ =
+      fmt::format("{}-{}-", owner_, std::chrono::steady_clock::now().time_since_epoch().count());
+  std::atomic<std::uint64_t> marks_{0};
+  Descriptor line_;  // to the process of sh, which kills all processes of `prefix_` when it closes
 };
+
+pid_t spawn(const ProcessCommand& command, int line, int errors, char* const* environment) {
+  Spawning spawning;
+  sigset_t none, pipe;
+  sigemptyset(&none);
+  sigemptyset(&pipe);
+  sigaddset(&pipe, SIGPIPE);
+  posix_spawnattr_setsigmask(&spawning.attributes, &none);
+  posix_spawnattr_setsigdefault(&spawning.attributes, &pipe);
+  posix_spawnattr_setpgroup(&spawning.attributes, 0);
+  posix_spawnattr_setflags(&spawning.attributes,
+                           POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+  int error = spawning.redirect(line, line, errors, command.directory.c_str());
+  std::vector<char*> arguments;
+  for (const std::string& argument : command.arguments) arguments.push_back(const_cast<char*>(argument.c_str()));
+  arguments.push_back(nullptr);
+  pid_t pid = -1;
+  if (error == 0)
+    error = posix_spawnp(&pid, arguments[0], &spawning.actions, &spawning.attributes, arguments.data(), environment);
+  if (error != 0) fail(command.arguments.front().c_str(), error);
+  return pid;
+}
 
 // This process's environment with the command's values in it.
 std::vector<char*> environment_of(const ProcessCommand& command, std::string& mark) {
@@ -185,6 +174,11 @@ void limit(pid_t pid, const ProcessLimits& limits) {
 
 }  // namespace
 
+void Descriptor::reset(int value) noexcept {
+  if (value_ >= 0) ::close(value_);
+  value_ = value;
+}
+
 Child::Child(const ProcessCommand& command) {
   if (std::getenv(kWorkerVariable) != nullptr) {
     throw PluginError(
@@ -195,35 +189,28 @@ Child::Child(const ProcessCommand& command) {
   mark_ = leftovers.new_mark();
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail("no socket for it", errno);
-  Descriptor ours(ends[0]);
+  socket_.reset(ends[0]);
   const Descriptor theirs(ends[1]);
   if (::pipe2(ends, O_CLOEXEC) != 0) fail("no pipe for it", errno);
-  Descriptor errors(ends[0]);
+  errors_.reset(ends[0]);
   const Descriptor their_errors(ends[1]);
-  ::fcntl(ours.get(), F_SETFL, O_NONBLOCK);
-  ::fcntl(errors.get(), F_SETFL, O_NONBLOCK);
+  ::fcntl(socket_.get(), F_SETFL, O_NONBLOCK);
+  ::fcntl(errors_.get(), F_SETFL, O_NONBLOCK);
   std::string mark = fmt::format("{}={}", kWorkerVariable, mark_);
   const std::vector<char*> environment = environment_of(command, mark);
-  pid_ = Spawning().start(command, theirs.get(), their_errors.get(), environment.data());
+  pid_ = spawn(command, theirs.get(), their_errors.get(), environment.data());
   limit(pid_, command.limits);
-  socket_ = ours.release();
-  errors_ = errors.release();
 }
 
 Child::~Child() {
   end(Clock::now());
   Leftovers::of_this_process().kill(mark_);
-  ::close(socket_);
-  if (errors_ >= 0) ::close(errors_);
 }
 
 void Child::hear() noexcept {
   std::array<char, 4096> room;
-  const ssize_t got = ::read(errors_, room.data(), room.size());
-  if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) {
-    ::close(errors_);
-    errors_ = -1;
-  }
+  const ssize_t got = ::read(errors_.get(), room.data(), room.size());
+  if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) errors_.reset();
   if (got <= 0) return;
   const auto size = static_cast<std::size_t>(got);
   const std::size_t fresh = std::min(size, said_.size());
@@ -235,12 +222,12 @@ void Child::hear() noexcept {
 
 Child::Wait Child::wait_for(short events, Clock::time_point until) noexcept {
   for (;;) {
-    pollfd both[2] = {{socket_, events, 0}, {errors_, POLLIN, 0}};
+    pollfd both[2] = {{socket_.get(), events, 0}, {errors_.get(), POLLIN, 0}};
     const auto left = std::chrono::duration<double, std::milli>(until - Clock::now()).count();
     const int milliseconds = static_cast<int>(std::clamp(std::ceil(left), 0.0, 60000.0));
-    const int ready = ::poll(both, errors_ >= 0 ? 2 : 1, milliseconds);
+    const int ready = ::poll(both, errors_.get() >= 0 ? 2 : 1, milliseconds);
     if (ready < 0 && errno != EINTR) return Wait::kEnded;
-    if (ready > 0 && errors_ >= 0 && both[1].revents != 0) hear();
+    if (ready > 0 && errors_.get() >= 0 && both[1].revents != 0) hear();
     if (ready > 0 && both[0].revents != 0) return Wait::kDone;
     if (left <= 0.0) return Wait::kLate;
   }
@@ -248,7 +235,7 @@ Child::Wait Child::wait_for(short events, Clock::time_point until) noexcept {
 
 Child::Wait Child::send(std::span<const unsigned char> bytes, Clock::time_point until) noexcept {
   while (!bytes.empty()) {
-    const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    const ssize_t sent = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (sent >= 0) {
       bytes = bytes.subspan(static_cast<std::size_t>(sent));
     } else if (errno == EAGAIN) {
@@ -263,7 +250,7 @@ Child::Wait Child::send(std::span<const unsigned char> bytes, Clock::time_point 
 Child::Wait Child::receive(std::span<unsigned char> room, std::size_t& got, Clock::time_point until) noexcept {
   for (;;) {
     if (const Wait wait = wait_for(POLLIN, until); wait != Wait::kDone) return wait;
-    const ssize_t received = ::recv(socket_, room.data(), room.size(), 0);
+    const ssize_t received = ::recv(socket_.get(), room.data(), room.size(), 0);
     if (received > 0) {
       got = static_cast<std::size_t>(received);
       return Wait::kDone;
@@ -272,7 +259,7 @@ Child::Wait Child::receive(std::span<unsigned char> room, std::size_t& got, Cloc
   }
 }
 
-void Child::hang_up() noexcept { ::shutdown(socket_, SHUT_WR); }
+void Child::hang_up() noexcept { ::shutdown(socket_.get(), SHUT_WR); }
 
 bool Child::gone() noexcept {
   if (pid_ < 0) return true;
@@ -303,13 +290,11 @@ std::string Child::ending() const {
 }
 
 std::string Child::last_words() {
-  for (std::size_t before = said_.size() + 1; errors_ >= 0 && before != said_size_;) {
+  for (std::size_t before = said_.size() + 1; errors_.get() >= 0 && before != said_size_;) {
     before = said_size_;
     hear();
   }
-  std::string words(said_.data(), said_size_);
-  std::replace_if(
-      words.begin(), words.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; }, ' ');
+  std::string words = without_controls({said_.data(), said_size_});
   while (!words.empty() && words.back() == ' ') words.pop_back();
   return words;
 }

@@ -3,51 +3,37 @@
 #include <sys/types.h>
 
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "plugin/process/command.h"
 
 namespace moma {
 
-/// The environment variable that every process of a Child has, and whatever that starts: its mark.
-inline constexpr const char* kWorkerVariable = "MOMA_WORKER";
-
-/// Kills what processes of controllers leave behind: what left its group (setsid), and everything where this process
-/// ends, however it does. A process without moma's memory, sh, does it: it finds by the mark in /proc/*/environ, which
-/// all descendants inherit. (A parent-death signal is bound to the thread that started the child, and threads end.)
-/// A descendant that clears its environment and leaves its group escapes.
-class Leftovers {
+/// A file descriptor that is closed at its end.
+class Descriptor {
  public:
-  /// Returns the instance of this process, which the first call starts. Without sh, nothing is killed that left its
-  /// group.
-  static Leftovers& of_this_process();
-
-  /// A mark that no process has yet.
-  std::string new_mark();
-  /// Kills all processes of this mark, soon.
-  void kill(const std::string& mark) noexcept;
-
-  Leftovers();
-  ~Leftovers();
-  Leftovers(const Leftovers&) = delete;
-  Leftovers& operator=(const Leftovers&) = delete;
+  explicit Descriptor(int value = -1) noexcept : value_(value) {}
+  ~Descriptor() { reset(); }
+  Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    reset(std::exchange(other.value_, -1));
+    return *this;
+  }
+  int get() const noexcept { return value_; }
+  void reset(int value = -1) noexcept;
 
  private:
-  pid_t owner_;
-  std::string prefix_;
-  std::atomic<std::uint64_t> marks_{0};
-  int line_ = -1;  ///< of the process; where it ends, all of `prefix_` are killed
+  int value_;
 };
 
-/// A process of a command, in a group of its own (keys pressed at the terminal do not reach it), with one socket as its
-/// standard input and output, and what it writes to its standard error kept as far as its last words. No other
-/// descriptor of ours is open in it. It dies with this object and with this process, and so does what it started
-/// (Leftovers).
+/// A process of a command, in a group of its own, which keys at the terminal do not reach. One socket is its standard
+/// input and output; the end of its standard error is kept. It inherits no other descriptor. It dies with this object
+/// and with this process, and so does what it started: its descendants inherit a mark in their environment, by which
+/// they are found and killed. A descendant that clears its environment and leaves its group escapes.
 class Child {
  public:
   using Clock = std::chrono::steady_clock;
@@ -81,8 +67,8 @@ class Child {
 
   std::string mark_;
   pid_t pid_ = -1;
-  int socket_ = -1;
-  int errors_ = -1;
+  Descriptor socket_;
+  Descriptor errors_;
   int status_ = 0;
   std::array<char, 2048> said_{};
   std::size_t said_size_ = 0;

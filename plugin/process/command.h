@@ -35,9 +35,8 @@ struct ProcessCommand {
   ProcessLimits limits;
 };
 
-/// The command that runs a class of a Python file (docs/how-to/python-controller.md): `interpreter` with moma's runner.
-/// What could make two runs differ is set in its environment: the order of sets, the threads of linear algebra.
-/// `files` and `limits` are the caller's to fill in.
+/// Returns the command that runs a class of a Python file (docs/how-to/python-controller.md) with moma's runner. Its
+/// environment fixes the order of sets and the threads of linear algebra. The caller sets `limits` and further files.
 ProcessCommand python_command(const std::string& interpreter, const std::filesystem::path& file,
                               const std::string& class_name);
 

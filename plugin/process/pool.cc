@@ -73,14 +73,12 @@ void ProcessPool::check(const Session& session) {
   }
   for (const auto& [file, digest] : files) {
     const auto found = files_.find(file);
-    if (found == files_.end()) {
+    if (found == files_.end())
       throw PluginError(
           fmt::format("its process names {} as a part of itself, which an earlier one did not", file.string()));
-    }
-    if (found->second != digest) {
+    if (found->second != digest)
       throw PluginError(
           fmt::format("{} has changed since the suite was read; start moma again to use the new one", file.string()));
-    }
   }
 }
 

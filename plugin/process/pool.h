@@ -11,11 +11,11 @@
 
 namespace moma {
 
-/// The processes of one command, for several threads at once: as many as motions are at the same time, each kept for
-/// the next motion. Points of a sweep share them.
+/// The processes of one command, for several threads at once: one for each concurrent motion, kept for later ones.
+/// Points of a sweep share them.
 class ProcessPool {
  public:
-  /// That of the command, shared with whoever has it already. Starts nothing.
+  /// Returns the command's pool, which all its users share. Starts nothing.
   static std::shared_ptr<ProcessPool> of(const ProcessCommand& command);
 
   explicit ProcessPool(ProcessCommand command) : command_(std::move(command)) {}
@@ -25,8 +25,8 @@ class ProcessPool {
 
   const ProcessCommand& command() const noexcept { return command_; }
 
-  /// A process with this setup: one that waits, or a new one. Throws PluginError: it does not start, refuses the setup,
-  /// or its files are not those that the first one was made of.
+  /// Returns an idle or a new process with this setup. Throws PluginError: it does not start, refuses the setup, or its
+  /// files differ from those of the first one.
   std::unique_ptr<Session> take(const std::shared_ptr<const std::string>& setup, double control_period);
   /// A broken one is thrown away.
   void give_back(std::unique_ptr<Session> session) noexcept;

@@ -1,6 +1,5 @@
 #include "plugin/process/process_plugin.h"
 
-#include <cmath>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -36,26 +35,20 @@ struct Motion {
   std::unique_ptr<Session> session;
 };
 
-ordered_json numbers(const double* values, std::size_t count) {
-  ordered_json list = ordered_json::array();
-  for (std::size_t i = 0; i < count; ++i)
-    list.push_back(std::isfinite(values[i]) ? ordered_json(values[i]) : ordered_json());
-  return list;
-}
-
 /// Docs: process-protocol.md, "setup".
 std::string setup_text(const moma_plugin_setup& setup, ordered_json robot, ordered_json parameters) {
   const auto base = static_cast<BaseType>(setup.base_type);
-  ordered_json joints = ordered_json::array();
-  ordered_json velocities = ordered_json::array();
-  for (const std::string_view name : kind_of(base).velocities) velocities.push_back(std::string(name));
-  for (std::size_t i = 0; i < setup.num_joints; ++i) joints.push_back(setup.joints[i]);
-  for (const ordered_json& name : joints) velocities.push_back(name);
+  const std::vector<std::string> joints(setup.joints, setup.joints + setup.num_joints);
+  std::vector<std::string> velocities(kind_of(base).velocities.begin(), kind_of(base).velocities.end());
+  velocities.insert(velocities.end(), joints.begin(), joints.end());
+  const auto numbers = [](const double* values, std::size_t count) {
+    return config::layout::finite_or_null({values, count});
+  };
   const Lengths lengths{static_cast<int>(setup.num_joints), static_cast<int>(setup.num_velocities)};
   const ordered_json json = {{"protocol", kProcessProtocol},
                              {"base", std::string(to_string(base))},
-                             {"joints", std::move(joints)},
-                             {"velocities", std::move(velocities)},
+                             {"joints", joints},
+                             {"velocities", velocities},
                              {"lower", numbers(setup.lower, setup.num_joints)},
                              {"upper", numbers(setup.upper, setup.num_joints)},
                              {"ready", numbers(setup.ready, setup.num_joints)},

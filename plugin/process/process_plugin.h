@@ -9,9 +9,8 @@
 
 namespace moma {
 
-/// A controller in processes of its own as a Plugin: they stand behind the same functions as a shared library's, so
-/// that what a command has to be, and what becomes of one that is not, is the same for both. Starts a process and lets
-/// it check the parameters. Throws PluginError.
+/// Opens a controller in processes of its own as a Plugin: behind the same functions as a shared library, with the same
+/// checks of commands. Starts a process and lets it check the parameters. Throws PluginError.
 std::shared_ptr<const Plugin> open_process(const ProcessCommand& command,
                                            std::shared_ptr<const config::LoadedRobot> robot,
                                            const nlohmann::ordered_json& parameters, double control_period);

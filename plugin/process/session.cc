@@ -29,12 +29,7 @@ std::string after(const char* link, const std::string& words) { return words.emp
 // How long a process that ended its output, or was let go, has until it is killed.
 constexpr double kGrace = 2.0;
 
-std::string text_of(std::span<const unsigned char> bytes) {
-  std::string text(bytes.begin(), bytes.end());
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; }, ' ');
-  return text;
-}
+std::string text_of(std::span<const unsigned char> bytes) { return without_controls({bytes.begin(), bytes.end()}); }
 
 }  // namespace
 
@@ -79,38 +74,42 @@ std::span<const unsigned char> Session::answer(Frame wanted, const Due& due) {
     if (wait == Child::Wait::kEnded) ended(due);
     have += got;
     if (have < kFrameHeader) continue;
-    const FrameHeader header = get_header(in_.data());
-    const bool known = header.kind >= static_cast<std::uint32_t>(Frame::kReady) &&
-                       header.kind <= static_cast<std::uint32_t>(Frame::kError);
-    const std::size_t size = kFrameHeader + header.length;
-    if (!known || header.length > kLargestAnswer) not_a_frame();
+    std::uint32_t header[2];
+    std::memcpy(header, in_.data(), sizeof header);
+    const auto [length, kind] = header;
+    const bool known =
+        kind >= static_cast<std::uint32_t>(Frame::kReady) && kind <= static_cast<std::uint32_t>(Frame::kError);
+    const std::size_t size = kFrameHeader + length;
+    if (!known || length > kLargestAnswer) not_a_frame();
     if (in_.size() < size) in_.resize(size);
     if (have < size) continue;
-    const std::span<const unsigned char> payload = std::span(in_).subspan(kFrameHeader, header.length);
-    if (header.kind == static_cast<std::uint32_t>(Frame::kError)) fail(text_of(payload));
+    const std::span<const unsigned char> payload = std::span(in_).subspan(kFrameHeader, length);
+    if (kind == static_cast<std::uint32_t>(Frame::kError)) fail(text_of(payload));
     if (have > size) not_a_frame();
-    if (header.kind != static_cast<std::uint32_t>(wanted)) {
-      fail(fmt::format("its process answers {} with a frame of kind {}; {} is due", due.to, header.kind,
+    if (kind != static_cast<std::uint32_t>(wanted)) {
+      fail(fmt::format("its process answers {} with a frame of kind {}; {} is due", due.to, kind,
                        static_cast<std::uint32_t>(wanted)));
     }
     return payload;
   }
 }
 
-std::span<const unsigned char> Session::exchange(Frame kind, std::string_view payload, Frame wanted, const char* to) {
-  out_.resize(kFrameHeader + payload.size());
-  put_header(out_.data(), kind, static_cast<std::uint32_t>(payload.size()));
-  std::memcpy(out_.data() + kFrameHeader, payload.data(), payload.size());
-  const Due until = due(to, limits_.start);
-  if (child_.send(out_, until.until) == Child::Wait::kLate) late(until);
-  return answer(wanted, until);  // where it ended, it may have said why before
+std::span<const unsigned char> Session::exchange(Frame kind, std::span<const char> payload, Frame wanted,
+                                                 const Due& due) {
+  const std::uint32_t header[] = {static_cast<std::uint32_t>(payload.size()), static_cast<std::uint32_t>(kind)};
+  out_.resize(sizeof header + payload.size());
+  std::memcpy(out_.data(), header, sizeof header);
+  std::memcpy(out_.data() + sizeof header, payload.data(), payload.size());
+  if (child_.send(out_, due.until) == Child::Wait::kLate) late(due);
+  return answer(wanted, due);  // where it ended, it may have said why before
 }
 
 void Session::set_up(const std::shared_ptr<const std::string>& setup, double control_period) {
   control_period_ = control_period;
   if (setup_ == setup) return;
   setup_ = nullptr;
-  const std::span<const unsigned char> payload = exchange(Frame::kSetup, *setup, Frame::kReady, "to its setup");
+  const std::span<const unsigned char> payload =
+      exchange(Frame::kSetup, *setup, Frame::kReady, due("to its setup", limits_.start));
   const auto* begin = reinterpret_cast<const char*>(payload.data());
   nlohmann::ordered_json ready;
   try {
@@ -130,18 +129,14 @@ void Session::set_up(const std::shared_ptr<const std::string>& setup, double con
 }
 
 void Session::reset(const std::string& shapes, std::size_t numbers) {
-  exchange(Frame::kReset, shapes, Frame::kStarted, "to a reset");
+  exchange(Frame::kReset, shapes, Frame::kStarted, due("to a reset", limits_.start));
   out_.reserve(kFrameHeader + numbers * sizeof(double));
 }
 
 void Session::step(const moma_observation& seen, std::size_t velocities, moma_step_result& result) {
-  const std::size_t bytes = seen.num_numbers * sizeof(double);
-  out_.resize(kFrameHeader + bytes);
-  put_header(out_.data(), Frame::kStep, static_cast<std::uint32_t>(bytes));
-  std::memcpy(out_.data() + kFrameHeader, seen.numbers, bytes);
-  const Due until = due("to a step", limits_.deadline * control_period_);
-  if (child_.send(out_, until.until) == Child::Wait::kLate) late(until);
-  const std::span<const unsigned char> payload = answer(Frame::kCommand, until);
+  const std::span<const unsigned char> payload =
+      exchange(Frame::kStep, {reinterpret_cast<const char*>(seen.numbers), seen.num_numbers * sizeof(double)},
+               Frame::kCommand, due("to a step", limits_.deadline * control_period_));
   constexpr std::size_t kDetails = fixed_numbers<Details>() * sizeof(double);
   const std::size_t plain = velocities * sizeof(double);
   if (payload.size() != plain && payload.size() != plain + kDetails) {

@@ -3,11 +3,9 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "plugin/moma_plugin.h"
@@ -34,24 +32,8 @@ inline constexpr std::size_t kLargestAnswer = std::size_t{1} << 20;  ///< [bytes
 
 static_assert(std::endian::native == std::endian::little, "frames are little-endian");
 
-inline void put_header(unsigned char* to, Frame kind, std::uint32_t length) noexcept {
-  const std::uint32_t words[2] = {length, static_cast<std::uint32_t>(kind)};
-  std::memcpy(to, words, sizeof words);
-}
-
-struct FrameHeader {
-  std::uint32_t length = 0;
-  std::uint32_t kind = 0;
-};
-
-inline FrameHeader get_header(const unsigned char* from) noexcept {
-  FrameHeader header;
-  std::memcpy(&header, from, sizeof header);
-  return header;
-}
-
-/// One process that speaks the protocol. Whatever goes wrong throws PluginError with what a person should know, and
-/// leaves the session broken: its process is of no use any more.
+/// One process that speaks the protocol. Every failure throws PluginError and leaves the session broken: its process is
+/// of no use any more.
 class Session {
  public:
   /// Starts the process. The limits' deadline is in control periods of this length [s].
@@ -61,8 +43,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// The process's own words about the robot and the parameters it refuses reach the caller. Does nothing where the
-  /// process has this setup already.
+  /// Does nothing if the process has this setup already. The reason of a process that refuses it reaches the caller.
   void set_up(const std::shared_ptr<const std::string>& setup, double control_period);
   /// `shapes`: JSON. Steps after this one, whose observations have so many numbers, allocate nothing.
   void reset(const std::string& shapes, std::size_t numbers);
@@ -83,7 +64,7 @@ class Session {
     Child::Clock::time_point until;
   };
   static Due due(const char* to, double seconds);
-  std::span<const unsigned char> exchange(Frame kind, std::string_view payload, Frame wanted, const char* to);
+  std::span<const unsigned char> exchange(Frame kind, std::span<const char> payload, Frame wanted, const Due& due);
   std::span<const unsigned char> answer(Frame wanted, const Due& due);
   [[noreturn]] void fail(const std::string& what);
   [[noreturn]] void ended(const Due& due);
