@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "controller/ahead/plan_brief.h"
-#include "controller/describe/enumeration.h"
 #include "controller/escape_state.h"
 #include "controller/model/proximity.h"
+#include "controller/status.h"
 #include "controller/types.h"
 
 namespace moma {
@@ -28,16 +28,6 @@ struct Observation {
   GoalState goal;
   std::vector<ObjectState> objects;  ///< in the number and order of reset()
 };
-
-enum class StepStatus { kSolved, kInfeasible, kMaxIterations, kInvalidInput };
-constexpr auto words(Of<StepStatus>) {
-  return std::to_array<std::string_view>({"solved", "infeasible", "max_iterations", "invalid_input"});
-}
-
-enum class Fallback { kNone, kNoAcceleration, kRelaxed, kBrake };
-constexpr auto words(Of<Fallback>) {
-  return std::to_array<std::string_view>({"none", "no_acceleration", "relaxed", "brake"});
-}
 
 /// Command of a step and its origin. `status` is that of the original problem; `fallback` names the stage that replaced
 /// it.

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "controller/step.h"
+
 namespace moma {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "controller/model/proximity.h"
-#include "controller/step.h"
 #include "world/draws.h"
 #include "world/motion.h"
 
@@ -64,6 +63,6 @@ std::vector<ObjectShape> object_shapes(const World& world);
 
 /// Computes true poses and twists at time t into vectors already sized to world.objects.
 void object_states(const World& world, double t, std::vector<ObjectState>& states);
-GoalState goal_state(const World& world, double t);
+struct GoalState goal_state(const World& world, double t);
 
 }  // namespace moma

@@ -10,6 +10,7 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
+#include "controller/step.h"
 
 namespace moma::run {
 namespace {

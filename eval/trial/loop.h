@@ -7,6 +7,7 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
+#include "controller/step.h"
 #include "eval/trial/clearance.h"
 #include "eval/trial/metrics.h"
 #include "eval/trial/profile.h"

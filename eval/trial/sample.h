@@ -4,8 +4,10 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/ahead/plan_brief.h"
 #include "controller/describe/describe.h"
-#include "controller/step.h"
+#include "controller/escape_state.h"
+#include "controller/status.h"
 
 namespace moma {
 

@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 
-#include "controller/step.h"
 #include "eval/trial/metrics.h"
 #include "eval/trial/profile.h"
 #include "eval/trial/row.h"

@@ -1,6 +1,7 @@
 // What a plugin answers: a controller in this process whose every answer the input writes. Whatever it says, the step
 // ends with a finite command within the robot's speeds, or with none and a reason that a terminal can show.
 #include "plugin/host/plugin.h"
+#include "controller/step.h"
 
 #include <algorithm>
 #include <array>

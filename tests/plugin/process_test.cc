@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "controller/step.h"
 #include "tests/plugin/foreign_suite.h"
 #include "tests/support/no_alloc.h"
 

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 
+#include "controller/step.h"
 #include "tests/plugin/foreign_suite.h"
 
 namespace moma::test {

@@ -9,6 +9,7 @@
 #include <set>
 #include <thread>
 
+#include "controller/step.h"
 #include "tests/world/support.h"
 #include "world/scenario/family.h"
 #include "world/world_json.h"
