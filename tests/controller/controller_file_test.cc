@@ -140,7 +140,7 @@ TEST_F(ControllerFile, RoundTripIsExact) {
     }
     p.collision.object.gain = uniform(rng, 0.1, 2);
     p.collision.floor.enabled = rng() % 2;
-    if (rng() % 2) p.collision.evasion = {true, uniform(rng, 1, 9), uniform(rng, 0.01, 0.2)};
+    if (p.method == Method::kQp && rng() % 2) p.collision.evasion = {true, uniform(rng, 1, 9), uniform(rng, 0.01, 0.2)};
     p.acceleration_limit = VectorX::Constant(9, rng() % 2 ? kInfinity : uniform(rng, 1, 9));
     p.posture.weight = uniform(rng, 0, 1);
     if (rng() % 2) {
