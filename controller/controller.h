@@ -36,7 +36,7 @@ class Controller : public StepController {
   void set_clock(StepClock* clock) noexcept;
 
   const RobotModel& model() const noexcept;
-  /// With every vector at its full size.
+  /// Parameters with every vector at its full size.
   const ControllerParams& params() const noexcept;
   double control_period() const noexcept;
   /// Kinematics of the configuration in which the command acts: the observed one, or its prediction.

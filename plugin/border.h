@@ -10,7 +10,7 @@
 #include "controller/step_described.h"
 #include "plugin/moma_plugin.h"
 
-// What both sides of the border of C have to do with it.
+// Conversions of both sides of the C interface.
 namespace moma::plugin {
 
 // The structs of C give names to the numbers that descriptions have (describe/numbers.h).
@@ -19,12 +19,12 @@ static_assert(sizeof(moma_object_state) == sizeof(double) * fixed_numbers<Object
 static_assert(offsetof(moma_step_result, solve_seconds) - offsetof(moma_step_result, status) ==
               sizeof(double) * fixed_numbers<Details>());
 
-/// How many numbers an observation has.
+/// Number of numbers of an observation.
 constexpr std::size_t count_numbers(std::size_t joints, std::size_t velocities, std::size_t objects) noexcept {
   return fixed_numbers<Observation>() + joints + velocities + objects * fixed_numbers<ObjectState>();
 }
 
-/// Where the numbers of Details begin in an answer, for memcpy().
+/// Address of the numbers of Details in an answer, for memcpy().
 inline unsigned char* details_of(moma_step_result& answer) noexcept {
   return reinterpret_cast<unsigned char*>(&answer) + offsetof(moma_step_result, status);
 }

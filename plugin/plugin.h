@@ -30,8 +30,8 @@
 /// crosses the border are the C types of plugin/moma_plugin.h.
 namespace moma::plugin {
 
-/// What a controller is made from. The parameters are read as strictly as moma's own with config::MapReader; its
-/// messages reach the user with the place in the suite.
+/// Inputs from which a controller is made. The parameters are read as strictly as moma's own with config::MapReader;
+/// its messages reach the user with the place in the suite.
 struct Setup {
   std::shared_ptr<const RobotModel> robot;
   config::Node parameters;      ///< a map

@@ -22,7 +22,7 @@ struct Move {
   static constexpr std::uint32_t kConstantErrors = 1U;
 };
 
-/// In the order of application.
+/// Moves in the order of application.
 using Moves = std::vector<Move>;
 
 /// Purpose of a stream of draws. A new draw in one stream never shifts another. The values are part of a seed's

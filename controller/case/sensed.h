@@ -38,7 +38,7 @@ nlohmann::ordered_json write_value(const M& value, const About& /*about*/) {
 
 namespace case_file {
 
-/// Whether a member stands among the keys of its record: the goal and lists stand elsewhere.
+/// True if a member stands among its record's keys; the goal and lists stand elsewhere.
 template <class V>
 inline constexpr bool is_here = !is_std_vector<V> && !std::is_same_v<V, GoalState>;
 

@@ -36,7 +36,7 @@ Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale);
 /// out than kHullExcess.
 MeshSolid point_solid(std::vector<Vector3> cloud);
 
-/// Of all vertices of a mesh file. Throws std::runtime_error: unreadable, empty, not finite.
+/// Returns the solid of all vertices of a mesh file. Throws std::runtime_error: unreadable, empty, not finite.
 MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale);
 
 }  // namespace moma::config

@@ -22,7 +22,7 @@ class KeyError : public ConfigError {
   using ConfigError::ConfigError;
 };
 
-/// Where a value was written; line and column start at 1, 0 where there is none (a --set option).
+/// Place of a value in a file; line and column start at 1, 0 for a --set option.
 struct Mark {
   std::string file;
   int line = 0;
@@ -48,7 +48,7 @@ struct Node {
   Mark mark;
   Mark key_mark;  ///< of a value in a map that was read from text
 
-  /// Where this value's key was written, or else the value itself.
+  /// Place of this value's key or, without one, of the value.
   const Mark& key_place() const noexcept { return key_mark.file.empty() ? mark : key_mark; }
 
   const Node* find(std::string_view key) const noexcept;
@@ -68,7 +68,7 @@ void set_value(Node& root, std::string_view dotted_key, const std::string& text)
 void set_value(Node& root, std::string_view dotted_key, Node value);
 
 [[noreturn]] void fail(const Mark& mark, const std::string& key, const std::string& message);
-/// As fail(), with a KeyError.
+/// The same as fail(), with a KeyError.
 [[noreturn]] void refuse(const Mark& mark, const std::string& key, const std::string& message);
 
 /// The folder that a path written at `mark` is relative to: its file's; for options the working folder.

@@ -24,7 +24,7 @@ std::string read_string(const Node& node, const std::string& key);
 /// `count` < 0: any length.
 std::vector<double> read_numbers(const Node& node, const std::string& key, int count, const Range& range = {});
 
-/// What stands there, for messages: "'text'", "a list of 3", "a map", "nothing".
+/// Names the value for messages: "'text'", "a list of 3", "a map", "nothing".
 std::string found_text(const Node& node);
 /// A text that is none of `names`: lists them and says which is near.
 [[noreturn]] void fail_choice(const Node& found, const std::string& key, const std::vector<std::string>& names);
@@ -46,7 +46,7 @@ class MapReader {
 
   /// Marks `name` as known; nullptr where absent or null.
   const Node* get(std::string_view name);
-  /// As get(), but absent is an error that says what is wanted.
+  /// The same as get(), but an absent value is an error that says `what`.
   const Node& require(std::string_view name, std::string_view what);
 
   void read(std::string_view name, double& value, const Range& range = {});
@@ -54,14 +54,14 @@ class MapReader {
   void read(std::string_view name, unsigned long long& value);
   void read(std::string_view name, bool& value);
   void read(std::string_view name, std::string& value);
-  /// As read_word().
+  /// The same as read_word().
   template <Worded Enum>
   void read_enum(std::string_view name, Enum& value, std::span<const Enum> allowed = {});
 
   /// Throws ConfigError at this map (or at the named key, where it was given).
   [[noreturn]] void fail(const std::string& message) const;
   [[noreturn]] void fail_at(std::string_view name, const std::string& message) const;
-  /// As fail_at(), where the key itself is wrong and not its value.
+  /// The same as fail_at(), for a wrong key instead of a wrong value.
   [[noreturn]] void fail_key(std::string_view name, const std::string& message) const;
   void check(bool ok, std::string_view name, const std::string& message) const;
 

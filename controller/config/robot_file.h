@@ -29,7 +29,7 @@ LoadedRobot read_robot(const Node& node, const std::string& key);
 
 LoadedRobot robot_from_resolved(const nlohmann::ordered_json& resolved);
 
-/// Of `rpy` as robot files have it: about the fixed axes x, y, z in turn, as in URDF [rad].
+/// Returns the rotation of `rpy`: about the fixed axes x, y, z in turn, as in URDF [rad].
 Matrix3 rotation_of(const Vector3& rpy);
 
 }  // namespace moma::config

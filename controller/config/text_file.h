@@ -12,11 +12,11 @@ namespace moma::config {
 /// kMaxTextBytes.
 std::string read_text_file(const std::filesystem::path& file);
 
-/// At most 200 bytes of a text, for messages.
+/// Returns at most 200 bytes of a text, for messages.
 std::string shortened(const std::string& text);
 
-/// What inputs may ask for at most. Files come from strangers too: each of these is far above what a robot, suite or
-/// case needs, far below what would exhaust a machine, and is named in the message of what exceeds it.
+/// Limits of inputs, since files also come from strangers. Each limit is far above the needs of a robot, suite or case,
+/// far below what would exhaust a machine, and named in the message of an input that exceeds it.
 inline constexpr std::uintmax_t kMaxTextBytes = 64U << 20U;  ///< of one YAML, JSON or URDF text
 inline constexpr std::size_t kMaxValues = 1'000'000;         ///< of a file with all that it includes and repeats
 inline constexpr std::size_t kMaxAliases = 10'000;           ///< `*name`, in a file with all that it includes

@@ -22,7 +22,7 @@ namespace moma {
 /// its position and its rotation by rows, a 3 x 3 matrix stands by rows; what is optional is a truth and then its
 /// members, which mean nothing where it is 0. Texts are no numbers: nothing described here has any.
 
-/// How many numbers a type has, lists left out.
+/// Number of a type's numbers, without lists.
 template <class T>
 constexpr std::size_t fixed_numbers();
 
@@ -36,7 +36,7 @@ double* pack_without_items(const T& value, double* to) noexcept;
 /// whole one becomes -1 where one is due: which is no word, and no count (describe/check.h).
 template <class T>
 const double* unpack(const double* from, T& value) noexcept;
-/// How many numbers pack() writes.
+/// Number of numbers that pack() writes.
 template <class T>
 std::size_t count_numbers(const T& value) noexcept;
 

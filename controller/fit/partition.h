@@ -12,7 +12,7 @@ namespace moma::fit {
 inline constexpr double kCapsuleWeight = 1.02;
 inline constexpr double kBoxWeight = 1.15;
 
-/// Of boxes on a base that drives and turns: their corners sweep, and their sides are traps for a reactive controller.
+/// Weight of boxes on a mobile base: their corners sweep, and their sides trap a reactive controller.
 inline constexpr double kBaseBoxWeight = 1.6;
 
 /// Kinds that a fit may use; at least one.

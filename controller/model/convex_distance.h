@@ -75,7 +75,7 @@ inline double least_gap(const Solid& a, const Isometry& X_Wa, const Solid& b, co
   return std::max({(ca - cb).norm() - a.radius - b.radius, a.gap(X_Wa, cb) - b.radius, b.gap(X_Wb, ca) - a.radius});
 }
 
-/// By a closed form if there is one, else by `convex`.
+/// Computes the distance by a closed form if there is one, else by `convex`.
 inline Distance signed_distance(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb,
                                 ConvexDistance& convex) noexcept {
   const auto exact = analytic_distance(a.shape, X_Wa, b.shape, X_Wb);

@@ -66,7 +66,7 @@ class SensorFrames {
   /// `visible` do not exist here. Allocates nothing.
   void look(long k, const Kinematics& robot, std::span<const ObjectState> objects) noexcept;
 
-  /// Whether the last look() took a frame of this sensor, and the time between two of them [s].
+  /// True if the last look() took a frame of this sensor; interval(): time between two frames [s].
   bool due(int sensor) const noexcept { return at(sensor).due; }
   double interval(int sensor) const noexcept { return static_cast<double>(at(sensor).every) * dt_; }
   /// Number of rays of the sensor's latest frame that ended on the object; and over all sensors.

@@ -16,7 +16,7 @@ struct PredictionMemory {
   // One for each control period, the latest first.
   std::vector<VectorX> computed;  ///< commands as the steps computed them
   std::vector<VectorX> sent;      ///< commands as sent, to base or joints later than computed
-  /// By the base's ramp, at the end of the period in which the command of `sent` acts.
+  /// Velocities of the base's ramp at the end of the period in which the command of `sent` acts.
   std::vector<Vector3> base_velocity;
   bool begun = false;              ///< `base` is known
   Vector3 base = Vector3::Zero();  ///< filtered (x, y, phi) as of the last measurement

@@ -26,7 +26,7 @@ class InterruptGuard {
   struct sigaction pipe_ {};
 };
 
-/// How far something is, on stderr: a line that is drawn again on a terminal, a line every few seconds elsewhere.
+/// Progress on stderr: one line that is redrawn on a terminal, a line every few seconds elsewhere.
 class StatusLine {
  public:
   explicit StatusLine(bool quiet);

@@ -36,7 +36,7 @@ struct Verification {
   std::string hash;  ///< over every result: equal hashes mean equal rows
   End end = End::kFinished;
 
-  /// Whether something was to be replayed and nothing could be.
+  /// True if trials were chosen and none could be replayed.
   bool in_vain() const { return chosen > 0 && replayed == 0 && end == End::kFinished; }
 };
 

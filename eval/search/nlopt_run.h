@@ -23,8 +23,8 @@ struct AlgorithmInfo {
 /// breaks one gets a penalty.
 std::span<const AlgorithmInfo> algorithms();
 
-/// By NLopt's name with or without its prefix, in any case: GN_CRS2_LM, crs2_lm. Throws std::invalid_argument naming
-/// the nearest and all.
+/// Finds an algorithm by NLopt's name, with or without its prefix, in any case: GN_CRS2_LM, crs2_lm. Throws
+/// std::invalid_argument that names the nearest and all.
 const AlgorithmInfo& find_algorithm(std::string_view name);
 
 /// The function to minimise, on the unit cube. None: stop now (the budget is spent).

@@ -10,7 +10,7 @@
 
 namespace moma::store {
 
-/// How much of a store was compared.
+/// Counts of what was compared.
 struct ContentCounts {
   std::string
       table_hash;  ///< over what tables read besides results: which trials belong to which point, under which names

@@ -6,7 +6,7 @@
 
 namespace moma::store {
 
-/// What went wrong with a store, in words for a person; what() names the file.
+/// An error of a store; what() is a complete message that names the file.
 class StoreError : public std::runtime_error {
  public:
   enum class Kind {

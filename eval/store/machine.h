@@ -17,7 +17,7 @@ extern const char* const kQpSolverVersion;
 
 /// The commit that was checked out when the program was built; "" outside of a git checkout.
 extern const char* const kGitCommit;
-/// Whether tracked files differed from that commit.
+/// True if tracked files differed from that commit.
 extern const bool kGitDirty;
 
 /// This program on this machine, as table `invocation` keeps it.

@@ -31,13 +31,13 @@ struct SuiteRecord {
 };
 
 SuiteRecord describe(const Suite& suite);
-/// Whether `hash` is the setting_hash of a suite with this resolved text, under any version of the simulation.
+/// True if `hash` is the setting_hash of a suite with this resolved text, under any version of the simulation.
 bool has_setting(const nlohmann::ordered_json& resolved, const Hash& hash);
 WorldRecord describe(const World& world);
 /// For a world that could not be made: its identity, without content.
 WorldRecord describe_missing(const Worlds& worlds, std::uint64_t index);
 
-/// Where a suite's parts are in the tables.
+/// Row ids of a suite's parts.
 struct Registered {
   std::int64_t suite_id = 0;
   std::string suite_name;  ///< as shown

@@ -53,7 +53,7 @@ namespace moma::store {
 // Rows of the tables that are not described beside what they hold (eval/trial/row.h, eval/store/samples.h,
 // eval/store/search_tables.h). What follows from a record's place, keys and ids, is no part of it.
 
-/// Of the tables controller and resolved_suite.
+/// Row of the tables controller and resolved_suite.
 struct ContentRow {
   Hash hash{};
   std::string resolved;

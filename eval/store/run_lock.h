@@ -28,7 +28,7 @@ class RunLock {
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
 
-  /// Whether somebody holds the lock of this store at this moment; false also where there are no locks.
+  /// True if a program holds the store's lock now; false also on a file system without locks.
   static bool taken(const std::filesystem::path& db);
   /// Whether the lock's file is there, held or left behind by a program that was killed. A store that says of a run
   /// that it goes on, and has none, is a copy: it lacks what that run had in DB-wal.

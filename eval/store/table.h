@@ -34,10 +34,10 @@ void read_cell(const SQLite::Column& cell, Blob& value);
 void read_cell(const SQLite::Column& cell, std::vector<double>& value, bool bits);
 [[noreturn]] void refuse_word(const SQLite::Column& cell);
 
-// Of a metric: infinities and what is absent are NULL, -0 is 0, and so is an empty text.
+// Binds a metric: infinities, absent values and empty texts are NULL, -0 is 0.
 void bind_metric(SQLite::Statement& s, int index, double value);
 void bind_metric(SQLite::Statement& s, int index, const std::string& value);
-/// Whether `said` is stored as `kept`.
+/// True if `said` is stored as `kept`.
 bool same_metric(double kept, double said);
 
 namespace field {
@@ -112,7 +112,7 @@ struct Reader {
   void inlined(M C::*) {}
 };
 
-/// Whether `said` is stored as `kept`.
+/// True if `said` is stored as `kept`.
 template <class About, class M>
 bool same(const M& kept, const M& said) {
   if constexpr (std::same_as<M, double> && std::same_as<About, Column>) return same_metric(kept, said);
@@ -300,7 +300,7 @@ class Table {
             "UPDATE " + name_ + " SET (" + names_ + ") = (" + places_sql(names_) + ")" + where_sql(keys_, sizeof...(K)),
             record, key...);
   }
-  /// In the order of the keys.
+  /// Returns the rows in the order of their keys.
   template <class... K>
   std::vector<R> all(const K&... key) const {
     std::string order;

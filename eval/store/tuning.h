@@ -11,7 +11,7 @@
 
 namespace moma::store {
 
-/// What the end of a search adds to its rows.
+/// Adds a search's result to its rows.
 void add_result(TuneSearchRecord& search, const tune::SearchResult& result);
 void add_result(std::vector<TuneVariableRecord>& variables, const tune::SearchResult& result);
 std::vector<TuneSensitivityRecord> sensitivity_records(const tune::Sensitivity& sensitivity);

@@ -25,8 +25,8 @@ struct InvocationInfo {
   int threads = 1;
 };
 
-/// In place of a point: a trial of a search (`moma tune`). It is kept under its key like any other, and found by runs
-/// and searches that come to it, but belongs to no point, so that views do not show the search's thousands of points.
+/// Stands for the point of a search's trial (`moma tune`). Such a trial is stored under its key, and later runs and
+/// searches find it, but it belongs to no point: views do not show a search's thousands of points.
 inline constexpr std::size_t kNoPoint = static_cast<std::size_t>(-1);
 
 /// A trial that the run asks for.

@@ -14,7 +14,7 @@ namespace moma::tune {
 /// The objective in words, for tables and the store.
 std::string objective_text(const Tuning& tuning);
 
-/// What table tune_search keeps.
+/// Returns the search's row of the table tune_search.
 store::TuneSearchRecord search_record(const Tuning& tuning);
 
 /// Column held_out of the verdict.

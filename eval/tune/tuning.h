@@ -30,7 +30,7 @@ struct Tuning {
 /// Reads SUITE. Throws config::ConfigError.
 Tuning load_tuning(const std::filesystem::path& file, const Overrides& overrides = {});
 
-/// What a store keeps of a search does not suffice to build its tuning again; what() says why.
+/// The stored rows of a search do not suffice to rebuild its tuning; what() says why.
 class NotStored : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -48,16 +48,16 @@ class Child {
 
   /// All of `bytes`. kEnded: it does not read any more.
   Wait send(std::span<const unsigned char> bytes, Clock::time_point until) noexcept;
-  /// At least one byte; `got` of them.
+  /// Receives at least one byte; `got`: number of bytes.
   Wait receive(std::span<unsigned char> room, std::size_t& got, Clock::time_point until) noexcept;
 
   /// Lets it see the end of its input, upon which it should go.
   void hang_up() noexcept;
   /// Waits for its end, kills it where that does not come. True where it had to be killed.
   bool end(Clock::time_point until) noexcept;
-  /// How it ended, after end(): "ended with exit code 3", "was ended by signal 11 (Segmentation fault)".
+  /// Words for its end, after end(): "ended with exit code 3", "was ended by signal 11 (Segmentation fault)".
   std::string ending() const;
-  /// What it wrote last to its standard error, without control characters.
+  /// The end of its standard error, without control characters.
   std::string last_words();
 
  private:

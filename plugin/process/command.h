@@ -25,7 +25,7 @@ constexpr void describe(auto& v, Of<ProcessLimits>) {
   v.member("memory", &T::memory, in_range(Range::positive_or_inf(), "GB", "data that the process may have"));
 }
 
-/// How the processes of a controller are started, and the files that they are made of.
+/// Command of a controller's processes, and their files.
 struct ProcessCommand {
   /// The first is the program: where it has no '/' PATH is searched, else it is relative to `directory`.
   std::vector<std::string> arguments;

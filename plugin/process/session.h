@@ -47,7 +47,7 @@ class Session {
   void set_up(const std::shared_ptr<const std::string>& setup, double control_period);
   /// `shapes`: JSON. Steps after this one, whose observations have so many numbers, allocate nothing.
   void reset(const std::string& shapes, std::size_t numbers);
-  /// As moma_plugin_step().
+  /// The same as moma_plugin_step().
   void step(const moma_observation& seen, std::size_t velocities, moma_step_result& result);
 
   bool broken() const noexcept { return broken_; }

@@ -27,7 +27,7 @@ struct VisualPart {
   Surface surface;                   ///< where `shape` is null
 };
 
-/// What a robot looks like, by its resolved form; nothing where its URDF says nothing.
+/// Returns a robot's visual parts by its resolved form; none if its URDF has none.
 using Look = std::function<std::vector<VisualPart>(const nlohmann::ordered_json& robot)>;
 
 /// Triangles of one robot in the page, at most.

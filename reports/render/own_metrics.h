@@ -21,7 +21,7 @@ struct OwnMetric {
   std::string expression;  ///< of which it is computed
 };
 
-/// Those of a store, in the order in which they came.
+/// Returns a store's own metrics in the order of their registration.
 std::vector<OwnMetric> own_metrics(SQLite::Database& store, const std::set<std::string>& taken);
 
 /// The same of a file. Throws ReportError where it is no store of moma's or cannot be read.

@@ -29,8 +29,8 @@ using Simulate =
     std::function<std::optional<OwnedSamples>(const std::filesystem::path& store, const std::string& trial)>;
 
 struct ReportOptions {
-  /// At most so many trials are in the page one by one, those of the first worlds of every point. Rates, intervals,
-  /// medians and means of the table of results are over all.
+  /// Largest number of trials that the page holds one by one: those of each point's first worlds. Rates, intervals,
+  /// medians and means of the table of results cover all trials.
   std::int64_t trials = 50000;
   int replays = 40;         ///< at most so many trials carry their motion in the page; the worst of each kind first
   double replay_hz = 10.0;  ///< samples per second of those, > 0
@@ -46,7 +46,7 @@ struct ReportOptions {
 
 using Stores = std::vector<std::filesystem::path>;
 
-/// What is wrong with the store or the page's place; what() is complete, for a person.
+/// An error of the store or of the page's place; what() is a complete message.
 class ReportError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -87,7 +87,7 @@ class ContactScene {
   void detect(const TouchSink& sink);
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
   bool meets_floor(int shape) const;
-  /// Whether each shape may touch the floor, including shapes that ODE does not decide.
+  /// True for each shape that may touch the floor, including shapes that ODE does not decide.
   const std::vector<bool>& meets_floor() const { return meets_floor_; }
   DetectorCheck cross_check();
 

@@ -31,7 +31,7 @@ class OdeBase {
   virtual void command(const Eigen::Ref<const VectorX>& speeds, double h) = 0;
   /// Adds the contacts with the floor of a step of h seconds.
   virtual void add_floor_contacts(dWorldID world, dJointGroupID group, double h) = 0;
-  /// As OdeArm::set_bounded(), for the drive's motors.
+  /// The same as OdeArm::set_bounded(), for the drive's motors.
   virtual void set_bounded(bool bounded) = 0;
   virtual double load() const = 0;
   /// Largest slip since the last add_floor_contacts() [m/s], after the step.

@@ -15,7 +15,7 @@
 
 namespace moma {
 
-/// Where start and witness are: the keys that all families share. The robot starts at the origin, arm at `ready`.
+/// Places of start and witness: the keys that all families share. The robot starts at the origin, arm at `ready`.
 /// A fixed base stays there; `distance`, `direction` and the headings are for mobile ones.
 struct Placement {
   using Uniform = Distribution::Uniform;
@@ -43,7 +43,7 @@ constexpr void describe(auto& v, Of<Placement>) {
   v.member("self_clearance", &T::self_clearance, non_negative("m", "between the witness's own shapes"));
 }
 
-/// How far objects keep from a robot that stands at start or witness.
+/// Distances of objects from the robot at start and witness.
 struct Room {
   double clearance = 0.0;  ///< to start and witness [m]
   double start = 0.0;      ///< to the start, at t = 0 [m]
@@ -113,7 +113,7 @@ class SceneBuilder {
   /// Moves an object at rest along a unit vector, `furthest` at most, until its distance to the witness is `clearance`,
   /// to within 0.1 mm above. False if it is nearer where it begins, or passes the robot.
   bool bring_near(WorldObject& object, const Vector3& direction_W, double furthest, double clearance);
-  /// As stands_clear() for the start; to the witness the object keeps `at_witness` instead.
+  /// The same as stands_clear() for the start; the object keeps `at_witness` from the witness.
   bool stands_near(const WorldObject& object, double at_witness);
 
   /// Circles on the floor, (x, y, radius), that contain the projections of start and witness. After place_robot().
