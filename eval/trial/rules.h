@@ -1,5 +1,6 @@
 #pragma once
 
+#include "controller/status.h"
 #include "controller/types.h"
 #include "eval/trial/spec.h"
 #include "world/plant/plant.h"
