@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 
 namespace moma::config {
 namespace {
@@ -64,6 +65,12 @@ std::string yaml_scalar(const std::string& text) {
   const bool other = lower == "null" || lower == "true" || lower == "false" || lower == "yes" || lower == "no" ||
                      lower == "on" || lower == "off" || lower == "y" || lower == "n";
   return word && !other ? text : quoted(text);
+}
+
+std::string yaml_comment(const std::string& text) {
+  std::string out, line;
+  for (std::istringstream lines(text); std::getline(lines, line);) out += (line.empty() ? "#" : "# " + line) + "\n";
+  return out;
 }
 
 }  // namespace moma::config

@@ -15,4 +15,7 @@ std::string to_flow_yaml(const Node& node);
 /// Text as a scalar that reads back as this text: quoted where YAML would take it for something else.
 std::string yaml_scalar(const std::string& text);
 
+/// Text as comments: each line behind "# ".
+std::string yaml_comment(const std::string& text);
+
 }  // namespace moma::config

@@ -151,19 +151,17 @@ int check(const CheckOptions& check_options) {
   std::cout << '\n';
   print_survey(survey, !check_options.no_time);
   std::cout << time;
-  print_warnings(suite.warnings);
-  print_warnings(survey.failures());
-  const std::vector<std::string> of_robots = robot_warnings(suite, options.file);
-  print_warnings(of_robots);
-  const std::vector<std::string> of_worlds = survey.doubts();
-  print_warnings(of_worlds);
+  std::vector<std::string> warnings = suite.warnings;
+  for (const auto& more : {survey.failures(), robot_warnings(suite, options.file), survey.doubts()})
+    warnings.insert(warnings.end(), more.begin(), more.end());
+  print_warnings(warnings);
   if (config::load_yaml(options.file).find("tune") != nullptr) {
     const tune::Tuning tuning = tune::load_tuning(options.file, options.overrides());
     print_warnings(tuning.warnings);
     std::cout << tune::plan_text(tuning) << '\n';
   }
-  const std::size_t warnings = suite.warnings.size() + survey.failures().size() + of_robots.size() + of_worlds.size();
-  std::cout << (warnings == 0 ? "no warnings\n" : fmt::format("{} warning{}\n", warnings, warnings == 1 ? "" : "s"));
+  std::cout << (warnings.empty() ? "no warnings\n"
+                                 : fmt::format("{} warning{}\n", warnings.size(), warnings.size() == 1 ? "" : "s"));
   return kOk;
 }
 

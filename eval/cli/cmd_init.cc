@@ -2,10 +2,9 @@
 
 #include <filesystem>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 
+#include "controller/config/yaml_text.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/run/published.h"
@@ -44,13 +43,6 @@ std::string path_to(const fs::path& file, const fs::path& folder) {
   return (relative.empty() ? file : relative).generic_string();
 }
 
-/// As YAML: in quotes where it would mean something else without.
-std::string scalar(const std::string& text) {
-  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-";
-  const bool plain = text.find_first_not_of(kPlain) == std::string::npos && !text.starts_with('-');
-  return plain ? text : nlohmann::json(text).dump();
-}
-
 struct InitOptions {
   fs::path file = "first.yaml";
   files::Replace replace = files::Replace::kOwn;
@@ -59,10 +51,10 @@ struct InitOptions {
 int init(const InitOptions& options) {
   const fs::path folder = fs::absolute(options.file).parent_path();
   const fs::path configs = fs::absolute(run::find_published()).parent_path();
-  const auto path = [&](const char* file) { return scalar(path_to(configs / file, folder)); };
+  const auto path = [&](const char* file) { return config::yaml_scalar(path_to(configs / file, folder)); };
   files::write_file(options.file, {"suite", ""}, options.replace, [&](std::ostream& out) {
     out << fmt::format(
-        fmt::runtime(kSuite), fmt::arg("name", scalar(options.file.stem().string())),
+        fmt::runtime(kSuite), fmt::arg("name", config::yaml_scalar(options.file.stem().string())),
         fmt::arg("robot", path("robots/frankie.yaml")), fmt::arg("published", path("controllers/holistic.yaml")),
         fmt::arg("moma", path("controllers/moma.yaml")), fmt::arg("realistic", path("disturbances/realistic.yaml")));
   });

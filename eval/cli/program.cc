@@ -32,13 +32,6 @@ void open_standard_streams() {
   }
 }
 
-std::string version_text() {
-  std::string text = fmt::format("moma {}", store::kVersion);
-  const std::string commit = store::kGitCommit;
-  if (!commit.empty()) text += fmt::format(" ({}{})", commit.substr(0, 12), store::kGitDirty ? ", changed" : "");
-  return text;
-}
-
 /// Heads under which the help lists the commands; a command of none stands under the last.
 constexpr std::pair<std::string_view, const char*> kGroups[] = {
     {" init run reproduce tune risk break ", "Evaluate"},
@@ -103,7 +96,7 @@ int parse_and_run(const Arguments& arguments) {
   app.footer(
       "Each command has its own help with an example: moma help run, or moma run --help\n"
       "Exit codes: 0 done, 1 a check failed, 2 bad input, 3 stopped early with its work saved.");
-  app.set_version_flag("-V,--version", version_text());
+  app.set_version_flag("-V,--version", store::version_text());
   app.require_subcommand(0, 1);
   app.failure_message(CLI::FailureMessage::simple);
   Commands commands(app, arguments);

@@ -46,6 +46,12 @@ bool is_number(const Cell& cell) {
   return std::holds_alternative<std::int64_t>(cell) || std::holds_alternative<double>(cell);
 }
 
+/// Columns that `text` (valid UTF-8) takes on a terminal, one per code point.
+std::size_t display_width(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
 struct Grid {
   std::vector<std::string> head;
   std::vector<std::vector<std::string>> rows;
@@ -216,11 +222,6 @@ std::string terminal_safe_lines(std::string_view text) {
     begin = end + 1;
   }
   return safe;
-}
-
-std::size_t display_width(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 void write(std::ostream& out, const QueryResult& result, Format format) {

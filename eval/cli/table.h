@@ -37,7 +37,4 @@ std::string shape_text(const Shape& shape);
 /// "(0.1, 0.2, 0.3)", four digits behind the point.
 std::string vector_text(const Eigen::Ref<const VectorX>& v);
 
-/// Columns that `text` (valid UTF-8) takes on a terminal, one per code point.
-std::size_t display_width(std::string_view text);
-
 }  // namespace moma::cli

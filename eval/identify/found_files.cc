@@ -26,13 +26,6 @@ double rounded(double value) {
 // Rounds a latency to a tenth of a millisecond.
 double time(double seconds) { return std::round(1e4 * std::max(0.0, seconds)) / 1e4; }
 
-std::string comment(const std::string& text) {
-  std::string out, line;
-  std::istringstream in(text);
-  while (std::getline(in, line)) out += (line.empty() ? "#" : "# " + line) + "\n";
-  return out;
-}
-
 std::string yaml(const Json& json) { return config::to_yaml(config::node_from_json(json, "")); }
 
 std::string head(const Found& found, const std::string& source) {
@@ -86,7 +79,7 @@ std::string disturbances_file(const Found& found, const std::string& source) {
     text += fmt::format("The base's ramps belong into the robot's file: base: {{max_acceleration: {}}}.\n",
                         ramps(*found.base));
   }
-  return comment(text) + yaml(to_json(disturbances_of(found)));
+  return config::yaml_comment(text) + yaml(to_json(disturbances_of(found)));
 }
 
 std::string controller_file(const Found& found, const std::string& source) {
@@ -113,7 +106,8 @@ std::string controller_file(const Found& found, const std::string& source) {
   Json prediction = Json::object();
   if (!drives.empty()) prediction["drives"] = std::move(drives);
   if (!sensing.empty()) prediction["sensing"] = std::move(sensing);
-  return comment(text) + yaml({{"prediction", std::move(prediction)}, {"uncertainty", std::move(uncertainty)}});
+  return config::yaml_comment(text) +
+         yaml({{"prediction", std::move(prediction)}, {"uncertainty", std::move(uncertainty)}});
 }
 
 std::string summary(const Found& found) {

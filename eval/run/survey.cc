@@ -74,6 +74,9 @@ void look_at(const World& world, const std::shared_ptr<const RobotModel>& model,
   look.goals.push_back({near ? nearest.distance.d : kInfinity, near ? pair_text(world, *model, nearest) : ""});
 }
 
+namespace {
+
+/// Returns a sentence, with counts, if the tool touches objects at goals, which no configuration then reaches.
 std::vector<std::string> touching_goals(const WorldLook& look) {
   const Within within(look, -kInfinity, 0.0);
   if (within.count == 0) return {};
@@ -83,6 +86,8 @@ std::vector<std::string> touching_goals(const WorldLook& look) {
                   within.count, look.goals.size(), -1e3 * within.nearest->d, within.nearest->where)};
 }
 
+/// Returns one sentence, with counts, per controller of `points` whose rows stop the robot farther from objects than
+/// the tool is at goals in `look` without contact.
 std::vector<std::string> goal_warnings(const std::vector<const SuitePoint*>& points, const WorldLook& look) {
   std::vector<std::string> out;
   std::set<std::pair<std::string, double>> seen;
@@ -100,8 +105,6 @@ std::vector<std::string> goal_warnings(const std::vector<const SuitePoint*>& poi
   }
   return out;
 }
-
-namespace {
 
 constexpr std::uint64_t kEnoughFailures = 3;  // further worlds of the family would take long and fail as well
 

@@ -29,13 +29,6 @@ struct WorldLook {
 /// objects at rest. Costs about three configurations' distances.
 void look_at(const World& world, const std::shared_ptr<const RobotModel>& model, WorldLook& look);
 
-/// Returns a sentence, with counts, if the tool touches objects at goals, which no configuration then reaches.
-std::vector<std::string> touching_goals(const WorldLook& look);
-
-/// Returns one sentence, with counts, per controller of `points` whose rows stop the robot farther from objects than
-/// the tool is at goals in `look` without contact.
-std::vector<std::string> goal_warnings(const std::vector<const SuitePoint*>& points, const WorldLook& look);
-
 /// Statistics of drawing a suite's worlds by robot and family: tries per world, reasons of rejection, and processor
 /// time per world and per trial.
 class WorldSurvey {

@@ -23,6 +23,16 @@ namespace fs = std::filesystem;
 
 const files::Kind kGains{"file of gains by moma tune", "found by moma tune."};
 
+/// The file that the suite names, else configs/controllers/CONTROLLER-tuned.yaml, or CONTROLLER-tuned.yaml if the
+/// working directory has no such folder.
+fs::path usual_gains(const tune::Tuning& tuning) {
+  if (!tuning.config.output.empty()) return fs::path(tuning.config.output).lexically_normal();
+  const std::string name = tuning.config.controller + "-tuned.yaml";
+  const fs::path usual = "configs/controllers";
+  std::error_code error;
+  return fs::is_directory(usual, error) ? usual / name : fs::path(name);
+}
+
 /// One search into one store.
 class Tune {
  public:
@@ -153,12 +163,9 @@ class Tune {
   }
 
   void write_gains(const fs::path& file, const tune::SearchResult& result, const tune::HeldOutVerdict* verdict) const {
-    const std::string commit = store::kGitCommit;
     const std::string provenance = fmt::format(
-        "Suite {}, seed {}, on {}, moma {}{}.\nObjective: {}", tuning_.file.filename().string(), tuning_.config.seed,
-        store::utc_now().substr(0, 10), store::kVersion,
-        commit.empty() ? "" : fmt::format(" ({}{})", commit.substr(0, 12), store::kGitDirty ? ", changed" : ""),
-        tune::objective_text(tuning_));
+        "Suite {}, seed {}, on {}, {}.\nObjective: {}", tuning_.file.filename().string(), tuning_.config.seed,
+        store::utc_now().substr(0, 10), store::version_text(), tune::objective_text(tuning_));
     files::write_file(file, kGains, request_.replace,
                       [&](std::ostream& out) { out << tune::tuned_file(tuning_, result, verdict, provenance); });
   }
@@ -195,14 +202,6 @@ class Tune {
 };
 
 }  // namespace
-
-fs::path usual_gains(const tune::Tuning& tuning) {
-  if (!tuning.config.output.empty()) return fs::path(tuning.config.output).lexically_normal();
-  const std::string name = tuning.config.controller + "-tuned.yaml";
-  const fs::path usual = "configs/controllers";
-  std::error_code error;
-  return fs::is_directory(usual, error) ? usual / name : fs::path(name);
-}
 
 Tuned tune(const TuneRequest& request, const tune::Tuning& tuning, const TuneListener& listener) {
   return Tune(request, tuning, listener).execute();

@@ -15,7 +15,8 @@ namespace moma::run {
 
 /// `file`: usual_store() if empty.
 struct TuneRequest : Request {
-  std::filesystem::path gains;                    ///< file for the gains found; usual_gains() if empty
+  std::filesystem::path gains;                    ///< file for the gains found; if empty, the suite's
+                                                  ///< `output`, else configs/controllers/NAME-tuned.yaml
   bool verdict = true;                            ///< judge the gains found on the held-out worlds
   files::Replace replace = files::Replace::kOwn;  ///< files that the gains may replace
 };
@@ -36,10 +37,6 @@ struct Tuned {
   std::optional<tune::HeldOutVerdict> verdict;  ///< empty if not requested, or stopped before its end
   std::filesystem::path gains;  ///< file written; empty if stopped, or without improvement over the start
 };
-
-/// Returns the file that the suite names, else configs/controllers/CONTROLLER-tuned.yaml, or CONTROLLER-tuned.yaml if
-/// the working directory has no such folder.
-std::filesystem::path usual_gains(const tune::Tuning& tuning);
 
 /// Searches the gains of a suite's controller into a store, continues from its contents, judges the gains on worlds
 /// that took no part in the search, and writes them as a controller file. The same gains result for any number of

@@ -9,7 +9,7 @@
 
 namespace moma::store {
 
-/// One column of table `trial` or `execution` and the member that it holds.
+/// A column of table `trial` or `execution`, and its member.
 struct TrialColumn {
   std::string_view name;
   std::variant<double TrialRow::*, int TrialRow::*, std::string TrialRow::*> member;
@@ -21,23 +21,23 @@ struct TimingColumn {
   Column about;
 };
 
-/// All deterministic columns but `outcome`, as the description of TrialRow lists them (eval/trial/row.h).
+/// All deterministic columns except `outcome`, in the order of the description of TrialRow (eval/trial/row.h).
 const std::vector<TrialColumn>& trial_columns();
 const std::vector<TimingColumn>& timing_columns();
 
-/// A number as the store keeps it: infinities become absent (NaN), -0 becomes 0.
+/// Returns a number as the store keeps it: NaN for infinities, 0 for -0.
 double stored(double value) noexcept;
 
-/// Whether two values of a column are the same bits after storing. Of a column that came later, a row without the value
-/// agrees with any: it was stored before.
+/// Returns whether two values of a column have the same bits in the store. In a column that was added later, a missing
+/// `a` agrees with any `b`.
 bool agree(const Column& about, double a, double b);
 bool agree(const Column& about, int a, int b);
 bool agree(const Column& about, const std::string& a, const std::string& b);
 
-/// "column: a != b" for every deterministic column that does not agree; empty where the rows agree.
+/// Returns "column: a != b" for every deterministic column in which the rows disagree.
 std::vector<std::string> differences(const TrialRow& a, const TrialRow& b);
 
-/// Columns that came later, of which `stored` has no value and `now` has one.
+/// Returns the columns added later for which `now` has a value and `stored` has none.
 std::vector<std::string_view> missing_columns(const TrialRow& stored, const TrialRow& now);
 
 }  // namespace moma::store

@@ -29,13 +29,14 @@ namespace {
 using SQLite::Statement;
 using Found = std::function<void(const std::string&)>;
 
-class Checker {
- public:
-  Checker(SQLite::Database& db, Found finding) : db_(db), finding_(std::move(finding)) {}
+struct Checker {
+  SQLite::Database& db;
+  const Found& tell;
+  ContentCounts counts = {};
 
   ContentCounts execute() {
     check_definitions();
-    counts_.hashes = check_hashes(db_, "main", finding_);
+    counts.hashes = check_hashes(db, "main", tell);
     check_worlds();
     check_names();
     check_suites();
@@ -44,17 +45,15 @@ class Checker {
     check_missing();
     check_samples();
     hash_tables();
-    return counts_;
+    return counts;
   }
 
- private:
-  void tell(const std::string& text) const { finding_(text); }
   /// `sql` gives a sentence for each disagreement.
-  void tell_all(const std::string& sql) const { for_rows<std::string>(db_, sql, finding_); }
+  void tell_all(const std::string& sql) const { for_rows<std::string>(db, sql, tell); }
 
   /// Whether anything but this build says that it wrote to the store.
   bool other_builds() const {
-    return count(db_,
+    return count(db,
                  "SELECT count(*) FROM main.invocation WHERE moma_version IS NOT ? OR coalesce(git_commit, '') <> ? OR "
                  "coalesce(git_dirty, 0) <> ?",
                  kVersion, kGitCommit, kGitDirty) > 0;
@@ -65,10 +64,10 @@ class Checker {
   void check_definitions() {
     for (const auto& [name, statement] : views()) {
       const auto ours =
-          row<std::string>(db_, "SELECT sql FROM main.sqlite_schema WHERE type = 'view' AND name = ?", name);
+          row<std::string>(db, "SELECT sql FROM main.sqlite_schema WHERE type = 'view' AND name = ?", name);
       if (ours == statement) continue;
       if (ours && other_builds()) {
-        counts_.foreign_views.push_back(name);
+        counts.foreign_views.push_back(name);
       } else {
         tell(fmt::format("view {} is {}; no other build of moma wrote to this store", name,
                          ours ? "not the one that this moma makes" : "missing"));
@@ -83,7 +82,7 @@ class Checker {
   /// controller or metric that goes by another's name would be taken for it.
   void check_names() {
     for_rows<std::string, std::string, std::string>(
-        db_,
+        db,
         "SELECT 'suite ' || id, name, file_name FROM main.suite UNION ALL SELECT 'point ' || id, controller, "
         "controller_name FROM main.point UNION ALL SELECT 'metric ' || id, name, file_name FROM main.metric",
         [&](const std::string& what, const std::string& shown, const std::string& name) {
@@ -111,10 +110,10 @@ class Checker {
   /// A suite must be the one that its points and invocations were resolved from.
   void check_suites() {
     for (const char* table : {"point", "invocation"}) {
-      Statement s(db_, fmt::format("SELECT min(x.id), u.id, u.file_name, u.setting_hash, r.resolved FROM main.{} AS x "
-                                   "JOIN main.suite AS u ON u.id = x.suite_id JOIN main.resolved_suite AS r "
-                                   "ON r.id = x.resolved_suite_id GROUP BY u.id, r.id",
-                                   table));
+      Statement s(db, fmt::format("SELECT min(x.id), u.id, u.file_name, u.setting_hash, r.resolved FROM main.{} AS x "
+                                  "JOIN main.suite AS u ON u.id = x.suite_id JOIN main.resolved_suite AS r "
+                                  "ON r.id = x.resolved_suite_id GROUP BY u.id, r.id",
+                                  table));
       while (s.executeStep()) {
         const std::string name = fmt::format("{} {}", table, s.getColumn(0).getInt64());
         attempt(name + ", resolved_suite", [&] {
@@ -135,9 +134,9 @@ class Checker {
   }
 
   void check_worlds() {
-    Statement s(db_, "SELECT id, " + column_names<WorldRecord>() + " FROM main.world");
+    Statement s(db, "SELECT id, " + column_names<WorldRecord>() + " FROM main.world");
     while (s.executeStep()) {
-      ++counts_.worlds;
+      ++counts.worlds;
       const std::string name = fmt::format("world {}", s.getColumn(0).getInt64());
       attempt(name, [&] {
         int column = 1;
@@ -168,7 +167,7 @@ class Checker {
   void check_copies() {
     std::string differ;
     std::string names = "outcome, time_to_goal_s, " + summary_list();
-    const std::set<std::string> there = stored_columns(db_, "point_trial");
+    const std::set<std::string> there = stored_columns(db, "point_trial");
     for (std::size_t begin = 0; begin < names.size();) {
       const std::size_t end = std::min(names.find(", ", begin), names.size());
       const std::string name = names.substr(begin, end - begin);
@@ -180,7 +179,7 @@ class Checker {
         "lower(substr(hex(m.key), 1, 16)), m.point_id, m.world_index, {0}) FROM main.point_trial AS m JOIN main.trial "
         "AS t ON t.key = m.key JOIN main.world AS w ON w.id = t.world_id WHERE {0} <> ''",
         differ + "iif(m.world_id IS NOT t.world_id, ' world_id', '') || iif(m.family IS NOT w.family, ' family', '')"));
-    counts_.copies = count(db_, "SELECT count(*) FROM main.point_trial");
+    counts.copies = count(db, "SELECT count(*) FROM main.point_trial");
   }
 
   /// What somebody could have taken away: trials that a run stored and no point has (a search plans none, and links
@@ -212,8 +211,8 @@ class Checker {
   }
 
   void hash_tables() {
-    counts_.table_hash = to_hex(chain_rows(
-        db_, {},
+    counts.table_hash = to_hex(chain_rows(
+        db, {},
         fmt::format("SELECT u.file_name, lower(hex(u.setting_hash)), r.name, p.controller_name, p.label, "
                     "p.params, lower(hex(p.content_hash)), p.simulation_version, m.world_index, "
                     "lower(hex(m.key)), m.family, m.outcome, m.time_to_goal_s, {} FROM main.point_trial AS m "
@@ -224,7 +223,7 @@ class Checker {
 
   void check_samples() {
     for_rows<std::string, EncodedSamples, std::optional<std::int64_t>>(
-        db_,
+        db,
         fmt::format("SELECT lower(substr(hex(a.key), 1, 16)), {}, t.steps FROM main.samples AS a "
                     "LEFT JOIN main.trial AS t ON t.key = a.key ORDER BY a.key",
                     column_names<EncodedSamples>("a.")),
@@ -232,7 +231,7 @@ class Checker {
           const std::string name = "samples of trial " + key;
           try {
             const std::size_t n = decode_samples(encoded).size();
-            ++counts_.samples;
+            ++counts.samples;
             if (steps && *steps != static_cast<std::int64_t>(n))
               tell(fmt::format("{}: {} of them, but the trial has {} steps", name, n, *steps));
           } catch (const std::runtime_error& error) {
@@ -240,10 +239,6 @@ class Checker {
           }
         });
   }
-
-  SQLite::Database& db_;
-  Found finding_;
-  ContentCounts counts_;
 };
 
 }  // namespace
@@ -269,7 +264,7 @@ std::size_t check_hashes(SQLite::Database& db, const std::string& schema, const 
 ContentCounts check_contents(const std::filesystem::path& file, const Found& finding) {
   ReadConnection connection(file);
   try {
-    return Checker(connection.db(), finding).execute();
+    return Checker{connection.db(), finding}.execute();
   } catch (const SQLite::Exception& error) {
     throw explain(error, file, StoreError::Kind::kUnusable);
   }

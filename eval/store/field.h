@@ -12,21 +12,20 @@
 #include "eval/store/hash.h"
 #include "eval/trial/column.h"
 
-// Records as rows of the store. A record says its columns once, in the description beside it (controller/describe); the
-// definition of its table follows from here, and reading and writing from eval/store/table.h.
+// Records as rows of the store. A record describes its columns once (controller/describe). The definition of its table
+// follows here; eval/store/table.h reads and writes it.
 
 namespace moma::store {
 
 using Blob = std::vector<unsigned char>;
 
-/// What is said of a column that is no metric (those have a Column). The type in SQL follows from the member's: what
-/// is optional may be NULL, a Hash has 16 bytes, a truth is 0 or 1, an enumeration one of its words, a list of numbers
-/// JSON.
+/// A column that is not a metric (metrics have a Column). The member's type decides the type in SQL: optional: may be
+/// NULL; Hash: 16 bytes; bool: 0 or 1; enumeration: its word; list of numbers: JSON.
 struct Field {
   std::string_view text = "";  ///< one line for the definition, without a full stop
-  std::string_view rule = "";  ///< in the definition besides: "UNIQUE"; "DEFAULT 0" of a column that came later
+  std::string_view rule = "";  ///< further SQL: "UNIQUE"; "DEFAULT 0" for a column added later
   bool json = false;           ///< the text is JSON
-  bool bits = false;           ///< the list of numbers is kept as doubles, little endian
+  bool bits = false;           ///< the list of numbers is stored as doubles, little endian
 };
 
 /// A column as CREATE TABLE has it.
@@ -34,7 +33,7 @@ struct ColumnDefinition {
   std::string name;
   std::string type;  ///< "INTEGER NOT NULL CHECK (cut IN (0, 1))"
   std::string text;
-  bool later = false;  ///< stands behind the others, as where it was added to a table that was there
+  bool later = false;  ///< placed after the others, as ALTER TABLE does
 };
 
 namespace field {

@@ -67,6 +67,12 @@ Machine this_machine() {
   return machine;
 }
 
+std::string version_text() {
+  const std::string commit = kGitCommit;
+  if (commit.empty()) return fmt::format("moma {}", kVersion);
+  return fmt::format("moma {} ({}{})", kVersion, commit.substr(0, 12), kGitDirty ? ", changed" : "");
+}
+
 std::string utc_now() {
   const auto now = std::chrono::system_clock::now();
   const auto since = now.time_since_epoch();

@@ -20,6 +20,9 @@ extern const char* const kGitCommit;
 /// True if tracked files differed from that commit.
 extern const bool kGitDirty;
 
+/// "moma 1.0 (0123456789ab, changed)".
+std::string version_text();
+
 /// This program on this machine, as table `invocation` keeps it.
 struct Machine {
   std::string host;
@@ -27,8 +30,7 @@ struct Machine {
   std::string cpu;  ///< model name
   int cpu_count = 0;
   std::string libraries;      ///< JSON object, name: version
-  std::string machine_class;  ///< what may change the last bits: CPU features used by libm, C library, compiler,
-                              ///< build, simulation libraries
+  std::string machine_class;  ///< what may change last bits: CPU features, C library, compiler, libraries
 };
 
 Machine this_machine();

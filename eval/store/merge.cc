@@ -78,35 +78,33 @@ const std::vector<IdTable>& id_tables() {
 
 /// Adds what is attached as `source`. Maps from its ids to ours are temporary tables. ON CONFLICT leaves out what is
 /// there already; OR IGNORE would leave out what breaks a rule of its table, too. SQLite wants a WHERE before it.
-class Importer {
- public:
-  Importer(SQLite::Database& db, fs::path file) : db_(db), file_(std::move(file)) {}
+struct Importer {
+  SQLite::Database& db;
+  const fs::path& file;
 
   MergeSummary import() {
     check_columns();
     for (const IdTable& table : id_tables()) import_ids(table);
     check_contradictions();
     MergeSummary summary = import_trials();
-    summary.searches = merge_searches(db_, file_, summary.notes);
-    merge_others(db_, file_, summary.notes);
-    for (const IdTable& table : id_tables()) db_.exec(fmt::format("DROP TABLE map_{}", table.name));
+    summary.searches = merge_searches(db, file, summary.notes);
+    merge_others(db, file, summary.notes);
+    for (const IdTable& table : id_tables()) db.exec(fmt::format("DROP TABLE map_{}", table.name));
     return summary;
   }
 
- private:
   /// A column that moma's tables have there and not here would be lost.
   void check_columns() {
     const std::set<std::string> own = own_names();
     for (const std::string& table :
-         rows<std::string>(db_, "SELECT name FROM source.sqlite_schema WHERE type = 'table'")) {
+         rows<std::string>(db, "SELECT name FROM source.sqlite_schema WHERE type = 'table'")) {
       if (own.count(table) == 0) continue;
-      const std::set<std::string> ours = stored_columns(db_, table);
-      for (const std::string& name : stored_columns(db_, table, "source")) {
+      const std::set<std::string> ours = stored_columns(db, table);
+      for (const std::string& name : stored_columns(db, table, "source")) {
         if (ours.count(name) > 0) continue;
-        throw unusable(file_,
-                       fmt::format("table {} has a column {} that would be lost: it was written by a newer moma, "
-                                   "or somebody added it; use that moma, or add it to the output",
-                                   table, name));
+        throw unusable(file, fmt::format("table {} has a column {} that would be lost: it was written by a newer moma, "
+                                         "or somebody added it; use that moma, or add it to the output",
+                                         table, name));
       }
     }
   }
@@ -136,8 +134,8 @@ class Importer {
   };
 
   std::string insert_sql(const std::string& table, const Mapped& mapped) {
-    return fmt::format("INSERT INTO main.{} ({}) SELECT {} {} ", table, columns_of(db_, table),
-                       columns_of(db_, table, "s.", mapped.values), mapped.from);
+    return fmt::format("INSERT INTO main.{} ({}) SELECT {} {} ", table, columns_of(db, table),
+                       columns_of(db, table, "s.", mapped.values), mapped.from);
   }
 
   /// Adds the rows that are not there, and makes the table map_NAME (source, target).
@@ -146,37 +144,37 @@ class Importer {
     const std::string there = fmt::format("main.{} AS o ON {}", table.name, mapped.equal(table.same));
     const std::string missing = fmt::format("LEFT JOIN {} WHERE o.id IS NULL ORDER BY s.id", there);
     if (table.same.front() == "hash") {
-      db_.exec(insert_sql(table.name, mapped) + "WHERE true ORDER BY s.id ON CONFLICT DO NOTHING");
+      db.exec(insert_sql(table.name, mapped) + "WHERE true ORDER BY s.id ON CONFLICT DO NOTHING");
     } else if (table.shown.empty()) {
-      db_.exec(insert_sql(table.name, mapped) + missing);
+      db.exec(insert_sql(table.name, mapped) + missing);
     } else {
       mapped.values[table.shown] = "?1";
-      Statement insert(db_, insert_sql(table.name, mapped) + "WHERE s.id = ?2");
+      Statement insert(db, insert_sql(table.name, mapped) + "WHERE s.id = ?2");
       std::vector<std::string> distinct = table.within;
       distinct.push_back(table.shown);
-      Statement taken(db_, fmt::format("SELECT 1 {} JOIN main.{} AS o ON {} WHERE s.id = ?2", mapped.from, table.name,
-                                       mapped.equal(distinct)));
+      Statement taken(db, fmt::format("SELECT 1 {} JOIN main.{} AS o ON {} WHERE s.id = ?2", mapped.from, table.name,
+                                      mapped.equal(distinct)));
       for (const auto& [id, name] : rows<std::int64_t, std::string>(
-               db_, fmt::format("SELECT s.id, s.{} {} {}", table.file_name, mapped.from, missing))) {
+               db, fmt::format("SELECT s.id, s.{} {} {}", table.file_name, mapped.from, missing))) {
         const std::string shown =
             free_name(name, [&](const std::string& candidate) { return row<int>(taken, candidate, id).has_value(); });
         execute(insert, shown, id);
       }
     }
-    db_.exec(fmt::format("CREATE TEMP TABLE map_{} (source INTEGER PRIMARY KEY, target INTEGER NOT NULL)", table.name));
-    db_.exec(fmt::format("INSERT INTO map_{} SELECT s.id, min(o.id) {} JOIN {} GROUP BY s.id", table.name, mapped.from,
-                         there));
+    db.exec(fmt::format("CREATE TEMP TABLE map_{} (source INTEGER PRIMARY KEY, target INTEGER NOT NULL)", table.name));
+    db.exec(fmt::format("INSERT INTO map_{} SELECT s.id, min(o.id) {} JOIN {} GROUP BY s.id", table.name, mapped.from,
+                        there));
   }
 
   /// Adds the rows of a table with keys of its own that are not there; returns how many.
   std::size_t import_rows(const std::string& table, const std::vector<Reference>& references) {
     return static_cast<std::size_t>(
-        db_.exec(insert_sql(table, {table, references}) + "WHERE true ORDER BY s.key ON CONFLICT DO NOTHING"));
+        db.exec(insert_sql(table, {table, references}) + "WHERE true ORDER BY s.key ON CONFLICT DO NOTHING"));
   }
 
   /// Two results for one key must agree in every deterministic column, within a class of machines.
   void check_contradictions() {
-    const std::set<std::string> theirs = stored_columns(db_, "trial", "source");
+    const std::set<std::string> theirs = stored_columns(db, "trial", "source");
     std::string differ = "t.outcome IS NOT o.outcome";
     for (const TrialColumn& column : trial_columns()) {
       if (theirs.count(std::string(column.name)) == 0) continue;  // from before it was measured
@@ -186,21 +184,21 @@ class Importer {
                                 : "");
     }
     const std::vector<std::string> found =
-        rows<std::string>(db_, fmt::format("SELECT t.trial FROM source.trial AS t JOIN main.trial AS o USING (key) "
-                                           "LEFT JOIN source.execution AS te ON te.key = t.key "
-                                           "LEFT JOIN source.invocation AS ti ON ti.id = te.invocation_id "
-                                           "LEFT JOIN main.execution AS oe ON oe.key = o.key "
-                                           "LEFT JOIN main.invocation AS oi ON oi.id = oe.invocation_id "
-                                           "WHERE (ti.machine_class IS NULL OR oi.machine_class IS NULL "
-                                           "       OR ti.machine_class = oi.machine_class) AND ({}) ORDER BY t.key",
-                                           differ));
+        rows<std::string>(db, fmt::format("SELECT t.trial FROM source.trial AS t JOIN main.trial AS o USING (key) "
+                                          "LEFT JOIN source.execution AS te ON te.key = t.key "
+                                          "LEFT JOIN source.invocation AS ti ON ti.id = te.invocation_id "
+                                          "LEFT JOIN main.execution AS oe ON oe.key = o.key "
+                                          "LEFT JOIN main.invocation AS oi ON oi.id = oe.invocation_id "
+                                          "WHERE (ti.machine_class IS NULL OR oi.machine_class IS NULL "
+                                          "       OR ti.machine_class = oi.machine_class) AND ({}) ORDER BY t.key",
+                                          differ));
     if (found.empty()) return;
     constexpr std::size_t kShown = 5;
     throw StoreError(
         StoreError::Kind::kContradiction,
         fmt::format("{}: {} trials have other results than the same trials merged before, from machines of "
                     "the same class ({}{}); nothing was merged",
-                    file_.string(), found.size(),
+                    file.string(), found.size(),
                     fmt::join(found.begin(), found.begin() + std::min(kShown, found.size()), ", "),
                     found.size() > kShown ? ", ..." : ""));
   }
@@ -208,11 +206,11 @@ class Importer {
   MergeSummary import_trials() {
     MergeSummary summary;
     summary.added = import_rows("trial", {{"world_id", "world"}});
-    summary.present = count(db_, "SELECT count(*) FROM source.trial") - summary.added;
+    summary.present = count(db, "SELECT count(*) FROM source.trial") - summary.added;
     import_rows("execution", {{"invocation_id", "invocation"}});
     import_rows("samples", {});
     import_rows("metric_value", {{"metric_id", "metric"}});
-    db_.exec(
+    db.exec(
         fmt::format("INSERT INTO main.point_trial (point_id, world_index, key, world_id, family, outcome, "
                     "time_to_goal_s, {}) "
                     "SELECT mp.target, m.world_index, m.key, t.world_id, w.family, t.outcome, t.time_to_goal_s, {} "
@@ -223,9 +221,6 @@ class Importer {
                     summary_list(), summary_list("t.")));
     return summary;
   }
-
-  SQLite::Database& db_;
-  fs::path file_;
 };
 
 /// ATTACH cannot be in a transaction, so that each input has its own; the caller works on a new file.
@@ -236,7 +231,7 @@ void merge_into(SQLite::Database& db, const fs::path& file, MergeSummary& summar
                      fmt::format("{}: {}; nothing was merged ('moma verify' says all)", file.string(), finding));
   });
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
-  MergeSummary one = Importer(db, file).import();
+  MergeSummary one = Importer{db, file}.import();
   transaction.commit();
   db.exec("DETACH source");
   summary.added += one.added;

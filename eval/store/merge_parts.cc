@@ -28,14 +28,14 @@ struct Search {
   std::string suite;
 };
 
-class Searches {
- public:
-  Searches(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes)
-      : db_(db), file_(file), notes_(notes) {}
+struct Searches {
+  SQLite::Database& db;
+  const std::filesystem::path& file;
+  std::vector<std::string>& notes;
 
   std::size_t execute() {
     std::vector<Search> searches = rows_as<Search, std::int64_t, std::int64_t, std::string>(
-        db_,
+        db,
         "SELECT s.id, coalesce(o.id, 0), s.suite FROM source.tune_search AS s "
         "LEFT JOIN main.tune_search AS o USING (hash) ORDER BY s.id");
     std::size_t changed = 0;
@@ -43,27 +43,26 @@ class Searches {
     return changed;
   }
 
- private:
   /// The columns of tune_search with the held-out suite by the name that it has in OUT.
   std::string values() {
     return columns_of(
-        db_, "tune_search", "s.",
+        db, "tune_search", "s.",
         {{"held_out_suite",
           "coalesce((SELECT o.name FROM source.suite AS i JOIN map_suite AS m ON m.source = i.id "
           "JOIN main.suite AS o ON o.id = m.target WHERE i.name = s.held_out_suite), s.held_out_suite)"}});
   }
 
   void copy(const char* table, const Search& search) {
-    db_.exec(fmt::format(
+    db.exec(fmt::format(
         "INSERT INTO main.{0} ({1}) SELECT {2} FROM source.{0} WHERE search_id = {3} ON CONFLICT DO NOTHING", table,
-        columns_of(db_, table), columns_of(db_, table, "", {{"search_id", std::to_string(search.target)}}),
+        columns_of(db, table), columns_of(db, table, "", {{"search_id", std::to_string(search.target)}}),
         search.source));
   }
 
   bool add(Search& search) {
-    db_.exec(fmt::format("INSERT INTO main.tune_search ({}) SELECT {} FROM source.tune_search AS s WHERE s.id = {}",
-                         columns_of(db_, "tune_search"), values(), search.source));
-    search.target = db_.getLastInsertRowid();
+    db.exec(fmt::format("INSERT INTO main.tune_search ({}) SELECT {} FROM source.tune_search AS s WHERE s.id = {}",
+                        columns_of(db, "tune_search"), values(), search.source));
+    search.target = db.getLastInsertRowid();
     copy("tune_evaluation", search);
     for (const char* table : kResults) copy(table, search);
     return true;
@@ -71,59 +70,55 @@ class Searches {
 
   bool go_on(const Search& search) {
     if (contradicts(search)) return false;
-    const int before = db_.getTotalChanges();
+    const int before = db.getTotalChanges();
     copy("tune_evaluation", search);
     // 0: under way, 1: searched, 2: judged
     const auto how_far = [&](const char* schema, std::int64_t id) {
       return row<int>(
-          db_,
+          db,
           fmt::format("SELECT (status = ?1) * (1 + (verdict IS NOT NULL)) FROM {}.tune_search WHERE id = ?2", schema),
           SearchStatus::kFinished, id);
     };
     if (how_far("source", search.source) > how_far("main", search.target)) {
-      const std::string columns = columns_of(db_, "tune_search");
-      db_.exec(
+      const std::string columns = columns_of(db, "tune_search");
+      db.exec(
           fmt::format("UPDATE main.tune_search SET ({}) = (SELECT {} FROM source.tune_search AS s WHERE s.id = {}) "
                       "WHERE id = {}",
                       columns, values(), search.source, search.target));
       for (const char* table : kResults) {
-        db_.exec(fmt::format("DELETE FROM main.{} WHERE search_id = {}", table, search.target));
+        db.exec(fmt::format("DELETE FROM main.{} WHERE search_id = {}", table, search.target));
         copy(table, search);
       }
     }
-    return db_.getTotalChanges() != before;
+    return db.getTotalChanges() != before;
   }
 
   bool contradicts(const Search& search) {
     std::string differ;
     for (const std::string& name :
-         rows<std::string>(db_,
+         rows<std::string>(db,
                            "SELECT name FROM pragma_table_xinfo('tune_evaluation', 'main') WHERE hidden = 0 AND "
                            "name NOT IN ('search_id', 'evaluation')"))
       differ += fmt::format("{0}s.{1} IS NOT o.{1}", differ.empty() ? "" : " OR ", name);
     const std::size_t n =
-        count(db_,
+        count(db,
               fmt::format("SELECT count(*) FROM source.tune_evaluation AS s JOIN main.tune_evaluation AS o "
                           "USING (evaluation) WHERE s.search_id = ? AND o.search_id = ? AND ({})",
                           differ),
               search.source, search.target);
     if (n == 0) return false;
-    const bool one_class = count(db_,
+    const bool one_class = count(db,
                                  "SELECT count(*) FROM (SELECT machine_class FROM main.invocation UNION "
                                  "SELECT machine_class FROM source.invocation)") == 1;
     const std::string what =
-        fmt::format("{}: its search in suite {} has {} evaluations that differ from those merged before",
-                    file_.string(), search.suite, n);
+        fmt::format("{}: its search in suite {} has {} evaluations that differ from those merged before", file.string(),
+                    search.suite, n);
     if (one_class)
       throw StoreError(StoreError::Kind::kContradiction,
                        what + ", from machines of the same class; nothing was merged");
-    notes_.push_back(what + ", from machines of another class: the search that was there is kept");
+    notes.push_back(what + ", from machines of another class: the search that was there is kept");
     return true;
   }
-
-  SQLite::Database& db_;
-  const std::filesystem::path& file_;
-  std::vector<std::string>& notes_;
 };
 
 }  // namespace
@@ -143,7 +138,7 @@ std::string columns_of(SQLite::Database& db, const std::string& table, const std
 }
 
 std::size_t merge_searches(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes) {
-  return Searches(db, file, notes).execute();
+  return Searches{db, file, notes}.execute();
 }
 
 namespace {
@@ -152,15 +147,15 @@ struct Object {
   std::string type, name, sql;
 };
 
-class Others {
- public:
-  Others(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes)
-      : db_(db), file_(file), notes_(notes) {}
+struct Others {
+  SQLite::Database& db;
+  const std::filesystem::path& file;
+  std::vector<std::string>& notes;
 
   void execute() {
     const std::set<std::string> own = own_names();
     const auto objects = rows_as<Object, std::string, std::string, std::string>(
-        db_,
+        db,
         // Asked once: for each row of the join SQLite would compile every view again. A shadow goes with its table.
         "WITH l AS MATERIALIZED (SELECT name, type FROM pragma_table_list WHERE schema = 'source') "
         "SELECT iif(l.type = 'virtual', 'virtual table', s.type), s.name, s.sql FROM source.sqlite_schema AS s "
@@ -170,50 +165,45 @@ class Others {
       if (own.count(object.name) == 0) bring(object);
   }
 
- private:
   void bring(const Object& o) {
     if (o.type == "table") return bring_table(o);
     if (!there(o.name).empty()) return;
     if (o.type == "index" || o.type == "view") return create(o);
-    notes_.push_back(fmt::format("{}: its {} {} does not come along: merging takes tables, indices and views of others",
-                                 file_.string(), o.type, o.name));
+    notes.push_back(fmt::format("{}: its {} {} does not come along: merging takes tables, indices and views of others",
+                                file.string(), o.type, o.name));
   }
 
   /// How OUT defines what has this name; "" where nothing has.
   std::string there(const std::string& name) {
-    return row<std::string>(db_, "SELECT sql FROM main.sqlite_schema WHERE name = ?", name).value_or("");
+    return row<std::string>(db, "SELECT sql FROM main.sqlite_schema WHERE name = ?", name).value_or("");
   }
 
   /// One statement of SQL, as SQLite itself reads it out of the schema.
-  void create(const Object& o) { SQLite::Statement(db_, o.sql).exec(); }
+  void create(const Object& o) { SQLite::Statement(db, o.sql).exec(); }
 
   void bring_table(const Object& o) {
     const std::string ours = there(o.name);
     if (!ours.empty() && ours != o.sql) {
-      throw unusable(file_, fmt::format("its table {}, which is not moma's, has other columns than the one merged "
-                                        "before; rename one of them",
-                                        o.name));
+      throw unusable(file, fmt::format("its table {}, which is not moma's, has other columns than the one merged "
+                                       "before; rename one of them",
+                                       o.name));
     }
     if (ours.empty()) create(o);
     std::string columns;
     for (const std::string& name :
-         rows<std::string>(db_, "SELECT name FROM pragma_table_xinfo(?, 'source') WHERE hidden = 0", o.name))
+         rows<std::string>(db, "SELECT name FROM pragma_table_xinfo(?, 'source') WHERE hidden = 0", o.name))
       columns += (columns.empty() ? "" : ", ") + sql_name(name);
     try {
-      db_.exec(
+      db.exec(
           fmt::format("INSERT INTO main.{0} ({1}) SELECT {1} FROM source.{0}{2}", sql_name(o.name), columns,
                       ours.empty() ? "" : fmt::format(" EXCEPT SELECT {} FROM main.{}", columns, sql_name(o.name))));
     } catch (const SQLite::Exception& error) {
       if (error.getErrorCode() != SQLITE_CONSTRAINT) throw;
-      throw unusable(file_, fmt::format("its table {}, which is not moma's, contradicts the one merged before ({}); "
-                                        "rename one of them",
-                                        o.name, error.what()));
+      throw unusable(file, fmt::format("its table {}, which is not moma's, contradicts the one merged before ({}); "
+                                       "rename one of them",
+                                       o.name, error.what()));
     }
   }
-
-  SQLite::Database& db_;
-  const std::filesystem::path& file_;
-  std::vector<std::string>& notes_;
 };
 
 }  // namespace
@@ -227,7 +217,7 @@ std::set<std::string> own_names() {
 }
 
 void merge_others(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes) {
-  Others(db, file, notes).execute();
+  Others{db, file, notes}.execute();
 }
 
 }  // namespace moma::store

@@ -10,22 +10,22 @@
 
 namespace moma::store {
 
-// Parts of merge(): into `main`, from what is attached as `source`, in the caller's transaction.
+// Parts of merge(), from the attached store `source` into `main`, in the caller's transaction.
 
-/// Names of the columns that a table has here and in what is attached as `source`, which may be from before one of
-/// them; stored ones only, without the integer key that each store gives on its own. `instead`: what stands in the list
-/// for a column, in place of its name behind `prefix`.
+/// Names of the stored columns that a table has in both stores, without `id`, each after `prefix`. `instead`: SQL that
+/// replaces a column.
 std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix = {},
                        const std::map<std::string, std::string>& instead = {});
 
-/// Everything that a new store has: tables, indices and views of moma's own.
+/// Names of moma's own tables, indices and views.
 std::set<std::string> own_names();
 
-/// Adds searches, and continues those that both have; needs the temporary table map_suite (source, target). Returns how
-/// many it changed. Throws StoreError{kContradiction} where one search has two paths from machines of one class.
+/// Adds searches, and continues those that both stores have; needs the temporary table map_suite (source, target).
+/// Returns the number of changed searches. Throws StoreError{kContradiction} if machines of one class took different
+/// paths in one search.
 std::size_t merge_searches(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes);
 
-/// Brings tables, indices and views along that are not moma's. Throws StoreError where that would lose rows.
+/// Adds tables, indices and views of other programs. Throws StoreError if rows would be lost.
 void merge_others(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes);
 
 }  // namespace moma::store

@@ -17,24 +17,23 @@ struct Migration {
 /// The version that this program writes: that of schema.sql.
 inline constexpr int kSchemaVersion = 4;
 
-/// Steps from every released version; continuous, ending at kSchemaVersion.
+/// Steps from every released version up to kSchemaVersion.
 std::span<const Migration> migrations() noexcept;
 
 int schema_version(SQLite::Database& db);
 
-/// Makes an empty database into a store of the current version, in one transaction.
+/// Creates the store's tables in an empty database, in one transaction.
 void create_schema(SQLite::Database& db);
 
-/// Applies the steps from the file's version up to `target` and makes the views anew, all in one transaction: either
-/// all or none happen. Throws SQLite::Exception; std::logic_error where a step is missing.
+/// Applies the steps up to version `target` and replaces the views, in one transaction. Throws SQLite::Exception;
+/// std::logic_error if a step is missing.
 void migrate(SQLite::Database& db, std::span<const Migration> steps, int target);
 
-/// Gives a connection that only reads this build's views, where the file has those of another.
+/// Hides the views of another build from a read-only connection by temporary ones of this build.
 void shadow_views(SQLite::Database& db);
 
-/// Adds the columns of results that are described (eval/trial/row.h) and that a store of this version does not have
-/// yet, and makes the views anew where they differ: a new metric needs neither a version of the store nor a migration.
-/// Columns that this program does not know stay as they are. In one transaction; throws SQLite::Exception.
+/// Adds missing described columns, and replaces the views if they differ, in one transaction: a new metric needs no
+/// migration. Unknown columns stay. Throws SQLite::Exception.
 void add_described_columns(SQLite::Database& db);
 
 /// Names of a table's columns.

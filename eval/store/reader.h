@@ -14,8 +14,7 @@
 
 namespace moma::store {
 
-/// A trial with all that is needed to simulate it again: the point is number `position` of
-/// suite_from_resolved(resolved_suite).points.
+/// A trial with the data for a replay; its point is number `position` of suite_from_resolved(resolved_suite).points.
 struct StoredTrial {
   std::string key;  ///< 32 hex digits
   std::string suite;
@@ -25,7 +24,7 @@ struct StoredTrial {
   std::size_t position = 0;
   std::uint64_t world_index = 0;
   std::string world;          ///< JSON
-  std::string machine_class;  ///< of the invocation that computed it
+  std::string machine_class;  ///< of the computer that computed it
   int simulation_version = 0;
   TrialRow row;  ///< without timings
   std::optional<EncodedSamples> samples = {};
@@ -38,7 +37,7 @@ struct StoredMetric {
   double value = 0.0;  ///< NaN: NULL
 };
 
-/// A row of table point, with what it is built from again.
+/// A row of table point, with the data to build it again.
 struct StoredPoint {
   std::int64_t id = 0;
   std::string suite;  ///< as shown
@@ -58,7 +57,7 @@ struct PointTrial {
 struct PointRecord;
 struct StoredSearch;  // eval/store/search_tables.h
 
-/// A trial by itself, of a point or of a search alone.
+/// A trial without its point, or of a search.
 struct LoneTrial {
   TrialRow row;               ///< without timings
   std::string world;          ///< JSON
@@ -70,22 +69,21 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file), connection_(file) {}
 
-  /// The trial whose key begins with `prefix` (hex digits, any case). Throws kNotFound where none or several do.
+  /// The trial whose key begins with `prefix` (hex digits, any case). Throws kNotFound if none or several do.
   StoredTrial trial(const std::string& prefix) const;
   /// Keys of all trials that belong to a point, in order of the key.
   std::vector<std::string> keys() const;
-  /// The suite shown under `name` as it was resolved for its latest invocation, JSON. Throws kNotFound, listing the
-  /// names.
+  /// The suite shown as `name`, resolved for its latest invocation, JSON. Throws kNotFound with the names.
   std::string latest_suite(const std::string& name) const;
-  /// Names of the suites, as shown, in the order in which they came.
+  /// Names of the suites, as shown, in the order of their addition.
   std::vector<std::string> suite_names() const;
   /// Values of the suites' own metrics of the trial with this key (32 hex digits).
   std::vector<StoredMetric> metrics(const std::string& key) const;
   std::vector<StoredPoint> points() const;
   std::vector<PointTrial> trials_of(std::int64_t point) const;
-  /// Names of the columns of a point that are not as `said`; "" where all are.
+  /// Names of the columns in which a point differs from `said`; "" if none.
   std::string point_differences(std::int64_t point, const PointRecord& said) const;
-  /// When the runs began that say that they are running.
+  /// Start times of the runs with status `running`.
   std::vector<std::string> running() const;
   /// Keys of the trials that belong to no point, those of searches, in order.
   std::vector<std::string> searched_keys() const;
@@ -98,9 +96,9 @@ class Reader {
   std::optional<LoneTrial> lone_trial(const std::string& key) const;
   /// Robots as resolved, JSON.
   std::vector<std::string> robots() const;
-  /// Findings of SQLite's integrity and foreign key checks; empty where the file is sound.
+  /// Findings of SQLite's integrity and foreign key checks.
   std::vector<std::string> integrity_problems() const;
-  /// 32 hex digits over all deterministic columns of all trials in order of the key: equal hashes mean equal rows.
+  /// Hash over all deterministic columns of all trials in order of the key, 32 hex digits.
   std::string result_hash() const;
 
  private:

@@ -14,8 +14,7 @@
 
 namespace moma::store {
 
-/// A suite in the form of the tables: texts and typed columns.
-/// Its `controller` is as in the suite file, and the places of its parts in a store are left out.
+/// A point of a suite as rows of the store, without ids; `controller` is the name in the suite file.
 struct PointRecord : PointRow {
   std::string robot_name;
   std::string robot_resolved;       ///< JSON
@@ -31,13 +30,13 @@ struct SuiteRecord {
 };
 
 SuiteRecord describe(const Suite& suite);
-/// True if `hash` is the setting_hash of a suite with this resolved text, under any version of the simulation.
+/// Returns whether `hash` is the setting_hash of this resolved suite, for any version of the simulation.
 bool has_setting(const nlohmann::ordered_json& resolved, const Hash& hash);
 WorldRecord describe(const World& world);
-/// For a world that could not be made: its identity, without content.
+/// The record of a world that could not be made: its identity without content.
 WorldRecord describe_missing(const Worlds& worlds, std::uint64_t index);
 
-/// Row ids of a suite's parts.
+/// The ids of a suite's parts.
 struct Registered {
   std::int64_t suite_id = 0;
   std::string suite_name;  ///< as shown
@@ -46,10 +45,10 @@ struct Registered {
   std::vector<std::string> controller_names;  ///< as shown, per point
 };
 
-/// Finds or adds the suite and its points. Call within a transaction. Throws SQLite::Exception.
+/// Finds or adds the suite and its points, within a transaction. Throws SQLite::Exception.
 Registered register_suite(SQLite::Database& db, const SuiteRecord& suite);
 
-/// Id of a suite's own metric, added where it is new.
+/// Finds or adds a suite's own metric; returns its id.
 std::int64_t metric_id(SQLite::Database& db, const std::string& name, const std::string& expression);
 
 /// "NAME", or the first of "NAME@2", "NAME@3" ... for which `taken(candidate)` is false.

@@ -11,8 +11,8 @@ namespace moma::store {
 
 inline constexpr int kSamplesLayout = 1;
 
-/// A trace as table `samples` holds it (store.md): names of the columns, and one zstd frame with the columns
-/// one after the other, each as n little-endian doubles.
+/// A trace as in table `samples` (store.md): column names, and a zstd frame with the columns one after the other, each
+/// as n little-endian doubles.
 struct EncodedSamples {
   int layout = kSamplesLayout;
   std::int64_t n = 0;
@@ -29,9 +29,9 @@ constexpr void describe(Visitor& v, Of<EncodedSamples>) {
   v.member("data", &T::data, Field{});
 }
 
-/// Names of the columns for `q` joints and `v` velocities, and one sample as numbers in their order.
+/// Column names for `q` joints and `v` velocities; and one sample as numbers in this order.
 std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v);
-/// Adds to the names of some sample's columns those that this moma writes for the same robot and they lack.
+/// Adds the missing names of columns that this version writes for the same robot.
 void add_written_columns(std::vector<std::string>& names);
 std::vector<double> sample_row(const Sample& sample);
 
@@ -44,11 +44,10 @@ struct SampleTable {
   std::vector<std::vector<double>> columns;
 };
 
-/// The list of names in column `columns` of table samples. Throws std::runtime_error where it is none.
+/// Reads column `columns` of table samples. Throws std::runtime_error if it is no list of names.
 std::vector<std::string> column_names_of(const std::string& json);
 
-/// Throws std::runtime_error where the data is damaged, of an unknown layout, or more than 512 MiB, before it asks for
-/// memory.
+/// Throws std::runtime_error for damaged data, an unknown layout, or more than 512 MiB, before allocating.
 SampleTable decode_table(const EncodedSamples& encoded);
 /// The same bits that were encoded.
 Trace decode_samples(const EncodedSamples& encoded);

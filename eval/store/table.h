@@ -14,13 +14,12 @@
 
 #include "eval/store/field.h"
 
-// SQL with the types of records (eval/store/field.h): statements take values and give rows as C++ has them, tables hold
-// described records. Everything here throws SQLite::Exception, and std::invalid_argument, naming the column, for what
-// no moma writes.
+// Typed SQL: statements take and return C++ values, tables hold described records (eval/store/field.h). All functions
+// throw SQLite::Exception, and std::invalid_argument with the column for values that moma never writes.
 
 namespace moma::store {
 
-// One value. A number that is NULL is NaN, a text that is NULL is empty.
+// One value. NULL is read as NaN or as an empty text.
 void bind_cell(SQLite::Statement& s, int index, std::int64_t value);
 void bind_cell(SQLite::Statement& s, int index, double value);
 void bind_cell(SQLite::Statement& s, int index, std::string_view value);
@@ -34,7 +33,7 @@ void read_cell(const SQLite::Column& cell, Blob& value);
 void read_cell(const SQLite::Column& cell, std::vector<double>& value, bool bits);
 [[noreturn]] void refuse_word(const SQLite::Column& cell);
 
-// Binds a metric: infinities, absent values and empty texts are NULL, -0 is 0.
+// A metric: infinities, NaN and an empty text become NULL, -0 becomes 0.
 void bind_metric(SQLite::Statement& s, int index, double value);
 void bind_metric(SQLite::Statement& s, int index, const std::string& value);
 /// True if `said` is stored as `kept`.
@@ -134,7 +133,7 @@ struct Differ {
   void inlined(M C::*) {}
 };
 
-/// Binds a value, or all columns of a described record, from parameter `index` on, and moves it behind them.
+/// Binds a value, or all columns of a described record, from parameter `index` on, and advances it.
 template <class T>
 void bind_next(SQLite::Statement& s, int& index, const T& value) {
   if constexpr (Described<T>) {
@@ -146,7 +145,7 @@ void bind_next(SQLite::Statement& s, int& index, const T& value) {
   }
 }
 
-/// Reads a value, or what column_names<T>() selects, from column `index` on, and moves it behind them.
+/// Reads a value, or the columns column_names<T>(), from column `index` on, and advances it.
 template <class T>
 T read_next(SQLite::Statement& s, int& index) {
   T value{};
@@ -220,7 +219,7 @@ std::vector<typename field::Row<T...>::type> rows(SQLite::Database& db, const st
   return rows_as<typename field::Row<T...>::type, T...>(db, sql, values...);
 }
 
-/// The first row, if there is one. A statement is left reset: one that is open keeps its snapshot past a commit.
+/// The first row, if any. Resets the statement, since an open one keeps its snapshot past a commit.
 template <class... T, class... A>
 std::optional<typename field::Row<T...>::type> row(SQLite::Statement& s, const A&... values) {
   bind_all(s, values...);
@@ -246,7 +245,7 @@ void add_bits(std::string& text, const SQLite::Column& cell);
 /// The hash over all rows of a query, each after the hash of those before it; `chain`: of what comes first.
 Hash chain_rows(SQLite::Database& db, Hash chain, const std::string& sql);
 
-/// Names of the columns that do not hold what `said` would be stored as; "" where all do.
+/// Names of the columns in which `kept` differs from `said` as stored; "" if none.
 template <class R>
 std::string differing_columns(const R& kept, const R& said) {
   field::Differ<R> differ{kept, said, {}};
@@ -254,7 +253,7 @@ std::string differing_columns(const R& kept, const R& said) {
   return differ.names;
 }
 
-/// "outcome, reason, ..."; NULL in place of those that a table without them lacks.
+/// "outcome, reason, ...", with NULL for columns that are not in `stored`.
 template <class R>
 std::string column_names(std::string_view prefix = {}, const std::set<std::string>* stored = nullptr) {
   std::string list;
@@ -271,12 +270,12 @@ std::string places_sql(const std::string& names);
 /// " WHERE a = ? AND b = ?" of the first `n` keys.
 std::string where_sql(const std::vector<std::string>& keys, std::size_t n);
 
-/// A table of records, with `keys`: columns that come before the record's own and say whose row it is. A method takes
-/// values of as many keys as it is to go by.
+/// A table of records. `keys`: columns before the record's own that identify the row. Methods take values of the first
+/// keys.
 template <class R>
 class Table {
  public:
-  /// `stored`: the table's columns, where it may lack some, which is then only read.
+  /// `stored`: the existing columns of a table that may lack some and is only read.
   Table(SQLite::Database& db, std::string name, std::vector<std::string> keys,
         const std::set<std::string>* stored = nullptr)
       : db_(db), name_(std::move(name)), keys_(std::move(keys)), names_(column_names<R>({}, stored)) {}
@@ -287,9 +286,8 @@ class Table {
     add(insert_, "", record, key...);
     return db_.getLastInsertRowid();
   }
-  /// False where the row is there already. ON CONFLICT leaves it; OR IGNORE would leave out rows that break a rule of
-  /// their table as well, and say nothing: also where memory runs out while a CHECK is computed (json_valid() in SQLite
-  /// 3.40).
+  /// Returns false if the row exists. Uses ON CONFLICT because OR IGNORE also drops rows that violate a rule, or whose
+  /// CHECK ran out of memory (json_valid() in SQLite 3.40).
   template <class... K>
   bool insert_new(const R& record, const K&... key) {
     return add(insert_new_, " ON CONFLICT DO NOTHING", record, key...) > 0;

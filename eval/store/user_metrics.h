@@ -17,20 +17,18 @@ struct MetricError : std::runtime_error {
   std::size_t metric;  ///< which of them
 };
 
-/// A suite's own metrics: each an aggregate SQL expression over the table `samples` of one trial, for instance
-/// "max(abs(command0))" or "min(iif(least_distance < 0.05, t, NULL))". Columns as samples('TRIAL')
-/// has them, NULL where a value is not finite.
+/// A suite's own metrics: aggregate SQL expressions over the samples of one trial, e.g. "max(abs(command0))". The
+/// columns are those of samples('TRIAL'), NULL for values that are not finite.
 class UserMetrics {
  public:
-  /// `metrics`: name, expression. `q`, `v`: sizes of Sample::q and Sample::qdot. Throws MetricError where an expression
-  /// is no such SQL.
+  /// `metrics`: name, expression. `q`, `v`: sizes of Sample::q and Sample::qdot. Throws MetricError.
   UserMetrics(std::vector<std::pair<std::string, std::string>> metrics, Eigen::Index q, Eigen::Index v);
   ~UserMetrics();
   UserMetrics(const UserMetrics&) = delete;
   UserMetrics& operator=(const UserMetrics&) = delete;
 
-  /// One value per metric; NaN for NULL, for what is no number, and where the SQL fails on these samples or takes more
-  /// than ten million of SQLite's steps. Throws std::bad_alloc. May be called from many threads. About 2 us per sample.
+  /// One value per metric; NaN for NULL, a text, an SQL error, or more than ten million of SQLite's steps. Thread-safe.
+  /// About 2 us per sample. Throws std::bad_alloc.
   std::vector<double> evaluate(const Trace& trace) const;
 
  private:

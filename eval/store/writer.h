@@ -25,8 +25,8 @@ struct InvocationInfo {
   int threads = 1;
 };
 
-/// Stands for the point of a search's trial (`moma tune`). Such a trial is stored under its key, and later runs and
-/// searches find it, but it belongs to no point: views do not show a search's thousands of points.
+/// The point of a trial of a search (`moma tune`): the trial is stored and found by its key like any other, but views
+/// do not show it.
 inline constexpr std::size_t kNoPoint = static_cast<std::size_t>(-1);
 
 /// A trial that the run asks for.
@@ -36,25 +36,24 @@ struct Wanted {
   std::string key;  ///< 32 hex digits
 };
 
-/// The one writer of a store during a run. Rows are kept back and written in transactions of up to 64 rows or 20 ms, so
-/// that a kill at any moment loses at most those. Not thread-safe; may be called from different threads one after
-/// another. Everything throws StoreError: kUnusable from the constructor and begin(), kInterrupted (also where the
-/// store is locked) and kContradiction later.
+/// The one writer of a store during a run. It commits rows in transactions of up to 64 rows or 20 ms; a kill loses at
+/// most those. Not thread-safe. All methods throw StoreError: kUnusable from the constructor and begin(), later
+/// kInterrupted (also if the store is locked) and kContradiction.
 class Writer {
  public:
   /// Opens or makes the store.
   explicit Writer(const std::filesystem::path& file);
-  /// Writes what is kept back, if it can; says nothing where it cannot.
+  /// Writes pending rows if possible.
   ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  /// Records suite, points and this invocation, links the wanted trials that are already there, and returns the keys
-  /// of those that need no computing: whose values of the suite's metrics are there too.
+  /// Records suite, points and this invocation, links the wanted trials that are stored, and returns the keys of those
+  /// that are complete with the suite's own metrics.
   std::unordered_set<std::string> begin(const SuiteRecord& suite, const InvocationInfo& info,
                                         const std::vector<Wanted>& wanted);
 
-  /// More wanted trials, after begin(): links those that are already there, and returns their keys.
+  /// Does the same for further trials, after begin().
   std::unordered_set<std::string> extend(const std::vector<Wanted>& wanted);
 
   /// Name of the suite as the views show it, with @2 where the setting changed under the same name; likewise the

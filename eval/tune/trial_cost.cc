@@ -13,6 +13,8 @@
 
 namespace moma::tune {
 
+namespace {
+
 std::vector<std::string> metric_names() {
   std::vector<std::string> names;
   for (const std::string_view outcome : words(Of<Outcome>{})) names.emplace_back(outcome);
@@ -21,6 +23,8 @@ std::vector<std::string> metric_names() {
   }
   return names;
 }
+
+}  // namespace
 
 Metric Metric::find(std::string_view name) {
   Metric metric;

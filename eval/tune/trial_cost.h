@@ -32,8 +32,6 @@ class Metric {
   std::variant<Outcome, double TrialRow::*, int TrialRow::*> source_ = Outcome::kSuccess;
 };
 
-std::vector<std::string> metric_names();
-
 /// Weight x metric; `when_null` replaces a missing metric.
 struct CostTerm {
   Metric metric;

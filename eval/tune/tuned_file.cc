@@ -12,20 +12,6 @@ namespace {
 
 using config::Node;
 
-std::string comment(const std::string& text) {
-  std::string result;
-  std::string line;
-  for (std::size_t i = 0; i <= text.size(); ++i) {
-    if (i == text.size() || text[i] == '\n') {
-      result += line.empty() ? "#\n" : fmt::format("# {}\n", line);
-      line.clear();
-    } else {
-      line += text[i];
-    }
-  }
-  return result;
-}
-
 // Returns the step of one gain with the largest increase of the objective.
 const SensitivityStep* steepest(const SearchResult& result, std::size_t variable) {
   const SensitivityStep* best = nullptr;
@@ -111,7 +97,7 @@ std::string tuned_file(const Tuning& tuning, const SearchResult& result, const H
       config::set_value(controller, inner, to_text(result.found[i]));
     }
   }
-  return comment(head) + outside + to_yaml(controller);
+  return config::yaml_comment(head) + outside + to_yaml(controller);
 }
 
 }  // namespace moma::tune

@@ -70,6 +70,13 @@ Overrides without_sweep(const Overrides& overrides, const Overrides& part) {
   return all;
 }
 
+/// The suite of each part of the mixture, without its sweep.
+std::vector<Suite> load_parts(const fs::path& file, const Overrides& overrides, const std::vector<Overrides>& mixture) {
+  std::vector<Suite> suites;
+  for (const Overrides& part : mixture) suites.push_back(load_suite(file, without_sweep(overrides, part)));
+  return suites;
+}
+
 void find_tuned_points(Tuning& tuning) {
   for (const Suite& suite : tuning.suites) {
     const auto found = std::find_if(suite.points.begin(), suite.points.end(),
@@ -144,14 +151,6 @@ void check_ends(Tuning& tuning) {
 }
 
 }  // namespace
-
-std::string describe(const std::vector<Variable>& variables, const Candidate& candidate) {
-  std::string text;
-  for (std::size_t i = 0; i < variables.size(); ++i) {
-    text += fmt::format("{}{}={}", i == 0 ? "" : " ", short_key(variables[i].key), to_text(candidate[i]));
-  }
-  return text;
-}
 
 Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
   Tuning tuning;
@@ -274,12 +273,6 @@ Tuning stored_tuning(const ordered_json& identity, const ordered_json& held_out,
   find_tuned_points(tuning);
   take_starts(tuning);
   return tuning;
-}
-
-std::vector<Suite> load_parts(const fs::path& file, const Overrides& overrides, const std::vector<Overrides>& mixture) {
-  std::vector<Suite> suites;
-  for (const Overrides& part : mixture) suites.push_back(load_suite(file, without_sweep(overrides, part)));
-  return suites;
 }
 
 SearchSettings search_settings(const Tuning& tuning) {

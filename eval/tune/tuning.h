@@ -41,10 +41,6 @@ class NotStored : public std::runtime_error {
 Tuning stored_tuning(const nlohmann::ordered_json& identity, const nlohmann::ordered_json& held_out,
                      const std::map<std::string, nlohmann::ordered_json>& robots, Plugins plugins);
 
-/// The suite of each part of the mixture, without its sweep.
-std::vector<Suite> load_parts(const std::filesystem::path& file, const Overrides& overrides,
-                              const std::vector<Overrides>& mixture);
-
 /// Search settings of a tuning. A world of the search is (index, part): number index * parts + part.
 SearchSettings search_settings(const Tuning& tuning);
 struct WorldOfPart {
@@ -71,8 +67,5 @@ class Points {
   std::vector<std::string> inner_keys_;  ///< keys without "controller."
   bool only_controller_ = true;
 };
-
-/// "lambda_q=0.01 k_epsilon=0.5": keys without their `controller.`.
-std::string describe(const std::vector<Variable>& variables, const Candidate& candidate);
 
 }  // namespace moma::tune
