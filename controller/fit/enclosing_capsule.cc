@@ -32,12 +32,10 @@ class Line {
     for (const Vector3& p : points_) squared_ = std::max(squared_, off(p));
   }
 
-  double smallest_radius() const { return std::sqrt(squared_); }
-
   Capsule capsule(double factor) const {
     Capsule c;
     c.axis = axis_;
-    c.radius = std::max(factor * smallest_radius(), 0.5 * kThinnest);
+    c.radius = std::max(factor * std::sqrt(squared_), 0.5 * kThinnest);
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
     for (const Vector3& p : points_) {
@@ -86,6 +84,12 @@ Capsule along(const Points& points, const Vector3& axis, const std::vector<doubl
   return best;
 }
 
+double smallest_radius(const Points& points, const Capsule& capsule) {
+  double squared = 0.0;
+  for (const Vector3& p : points) squared = std::max(squared, (p - capsule.middle).cross(capsule.axis).squaredNorm());
+  return std::sqrt(squared);
+}
+
 // Local search over two tilts, two shifts (in units of the radius) and the logarithm of the radius's factor.
 Capsule refined(const Points& points, const Capsule& start) {
   const Matrix3 frame = frame_along(start.axis);
@@ -94,7 +98,7 @@ Capsule refined(const Points& points, const Capsule& start) {
     const Vector3 origin = start.middle + start.radius * (x[2] * frame.col(0) + x[3] * frame.col(1));
     return Line(points, origin, axis).capsule(std::exp(x[4]));
   };
-  const double least = Line(points, start.middle, start.axis).smallest_radius();
+  const double least = smallest_radius(points, start);
   const double log_factor = least > 0.0 ? std::clamp(std::log(start.radius / least), 0.0, kMostRadius) : 0.0;
   const std::vector<double> x =
       minimise([&](const std::vector<double>& v) { return at(v).volume; },
@@ -125,8 +129,8 @@ Solid enclosing_capsule(const Points& points, Effort effort) {
       if (candidate.volume < best.volume) best = candidate;
     }
     // The few points were most of the hull: repeats with all of it.
-    const Line line(points, best.middle, best.axis);
-    best = refined(points, line.capsule(std::max(1.0, best.radius / line.smallest_radius())));
+    const double least = smallest_radius(points, best);
+    best = refined(points, Line(points, best.middle, best.axis).capsule(std::max(1.0, best.radius / least)));
     std::vector<double> fine;
     for (int i = 0; i <= 50; ++i) fine.push_back(1.0 + 0.01 * i);
     Capsule aligned;
