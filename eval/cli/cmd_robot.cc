@@ -8,6 +8,7 @@
 
 #include "controller/config/robot_file.h"
 #include "controller/config/yaml_text.h"
+#include "controller/describe/enumeration.h"
 #include "controller/draft/draft_robot.h"
 #include "controller/fit/fit_robot.h"
 #include "eval/cli/command.h"
@@ -77,7 +78,7 @@ std::string self_text(const fit::RobotFit& fit) {
       "shapes {}, were {}; self-collision pairs {}, were {}; links in touch at `ready` {}, were {}; new among them: "
       "{}\n",
       fit.after.shapes, fit.before.shapes, fit.after.pairs, fit.before.pairs, fit.after.touching.size(),
-      fit.before.touching.size(), added.empty() ? "none" : config::joined(added));
+      fit.before.touching.size(), added.empty() ? "none" : joined(added));
 }
 
 std::string report(const fit::RobotFit& fit) {
