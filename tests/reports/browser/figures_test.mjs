@@ -14,20 +14,30 @@ const { makeStore, makePage, sql } = workshop(source, makeReport, work);
 const browser = await launch(source);
 const open = opener(browser);
 
-/** What is on the canvas of a figure: its letters, and its pixels. */
-const read = async (page, id) => {
+/** The letters on the canvas of a figure, and its size. */
+const lettersOf = async (page, id) => {
   await page.locator(`#figure-${id}`).scrollIntoViewIfNeeded();
   await page.waitForSelector(`#figure-${id} canvas`);
   await drawn(page);
-  const { width, height, letters, pixels } = await page.locator(`#figure-${id} .plot`).evaluate((plot) => {
+  return page.locator(`#figure-${id} .plot`).evaluate((plot) => {
     const layers = [...plot.querySelectorAll('canvas')];   // one over the other
+    const { width, height } = layers[0];
+    return { width, height, letters: layers.flatMap((layer) => layer.letters ?? []) };
+  });
+};
+
+/** The same with its pixels: `at` gives red, green, blue and opacity. Reading them takes its time. */
+const read = async (page, id) => {
+  const { width, height, letters } = await lettersOf(page, id);
+  const pixels = await page.locator(`#figure-${id} .plot`).evaluate((plot) => {
+    const layers = [...plot.querySelectorAll('canvas')];
     const { width, height } = layers[0];
     const all = Object.assign(document.createElement('canvas'), { width, height }).getContext('2d', { willReadFrequently: true });
     for (const layer of layers) all.drawImage(layer, 0, 0);
     const { data } = all.getImageData(0, 0, width, height);
     let text = '';
     for (let i = 0; i < data.length; i += 32768) text += String.fromCharCode(...data.subarray(i, i + 32768));
-    return { width, height, letters: layers.flatMap((layer) => layer.letters ?? []), pixels: btoa(text) };
+    return btoa(text);
   });
   const bytes = Buffer.from(pixels, 'base64');
   return { width, height, letters, at: (x, y) => [...bytes.subarray(4 * (Math.round(y) * width + Math.round(x)), 4 * (Math.round(y) * width + Math.round(x)) + 4)] };
@@ -150,7 +160,7 @@ for (const [what, view] of views) {
   check(named.length === 6, `${what}: the best few are six: ${named}`);
   await apart(page, 'difficulty', named, what, ratio);
   if (what === 'light') await apart(page, 'timing', named, what, ratio);
-  for (const id of what === 'light' ? ['pareto', 'parallel', 'forest', 'heldout', 'search', 'arrival', 'paired'] : what === 'phone' ? ['heldout', 'pareto', 'forest', 'outcomes', 'timing'] : []) legible(await read(page, id), `${what}, ${id}`);
+  for (const id of what === 'light' ? ['pareto', 'parallel', 'forest', 'heldout', 'search', 'arrival', 'paired'] : what === 'phone' ? ['heldout', 'pareto', 'forest', 'outcomes', 'timing'] : []) legible(await lettersOf(page, id), `${what}, ${id}`);
   await noOverflow(page, what);
   await accessible(page, source, what, '#tuning, #difficulty, #sweep');
   if (what === 'light') {
@@ -159,7 +169,7 @@ for (const [what, view] of views) {
       const { name = key, unit = '' } = all.metrics.find((one) => one.key === key) ?? (key === 'objective' ? {} : { name: `${key} rate`, unit: 'points' });
       return unit === '' ? name : `${name} [${unit}]`;
     });
-    const texts = (await read(page, 'heldout')).letters.map((letter) => letter.text);
+    const texts = (await lettersOf(page, 'heldout')).letters.map((letter) => letter.text);
     check(compared.length > 2 && compared.every((name) => texts.includes(name)), `light: heldout has a plot each of ${compared.join('|')}: ${texts.join('|')}`);
     // The front, found by comparing all with all, for both costs.
     for (const [cost, key] of [['command_change_mean', 'command_change_mean'], ['collision_rate', 'collision_rate']]) {
@@ -224,7 +234,7 @@ for (const [what, view] of views) {
     return over.top === 0 && title.top >= over.bottom && title.top < innerHeight / 2;
   }, null, { timeout: 20000 }).then(() => true, () => false), 'phone: a section that is gone to begins below the bar');
   for (const [id, places] of [['forest', [...families, 'all worlds']], ['outcomes', families], ['manipulability', families], ['arrival', null], ['difficulty', null], ['timing', null]]) {
-    const seen = await read(page, id);
+    const seen = await lettersOf(page, id);
     legible(seen, `phone, ${id} of four`);
     check(seen.letters.every((letter) => !/\u2026|\.{3}/.test(letter.text)), `phone: words of ${id} are cut: ${seen.letters.map((letter) => letter.text).filter((text) => /\u2026|\.{3}/.test(text))}`);
     const count = (text) => seen.letters.filter((letter) => letter.text === text).length;
@@ -261,7 +271,7 @@ for (const [what, view] of views) {
   sql(db, "UPDATE point SET label = 'disturbances=' || iif(controller = 'holistic', 'realistic', 'none'), params = json_object('disturbances', iif(controller = 'holistic', 'realistic', 'none'))");
   const { context, page } = await open(makePage(db), { width: 390, height: 844, ratio: 2, touch: true, init: noteLetters });
   for (const id of ['forest', 'outcomes', 'manipulability']) {
-    const seen = await read(page, id);
+    const seen = await lettersOf(page, id);
     legible(seen, `conditions on a phone, ${id}`);
     for (const name of ['moma', 'holistic', 'disturbances: realistic', 'disturbances: none', 'clutter', 'open']) check(seen.letters.some((letter) => letter.text === name), `conditions on a phone: ${id} names ${name}: ${seen.letters.map((letter) => letter.text)}`);
   }
@@ -291,7 +301,7 @@ for (const [what, view] of views) {
   check(/and 37 others/.test(await page.locator('.facts').innerText()), 'of forty names a few are written');
   const box = await page.locator('.forest').boundingBox();
   check(box.y + box.height < 900, `the axis of the verdicts is on the first screen: it ends at ${box.y + box.height}`);
-  const forest = await read(page, 'forest');
+  const forest = await lettersOf(page, 'forest');
   legible(forest, 'forty controllers');
   const names = forest.letters.filter((letter) => /^controller/.test(letter.text)).sort((a, b) => a.y - b.y).map((letter) => letter.text);
   check(names.length === 40 && names.every((name, i) => rate(name) === rates[i]), `forty rows, the best first: ${names}`);

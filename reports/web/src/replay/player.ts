@@ -5,7 +5,7 @@ import { outcomeName, type Model, type Motion } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, plural } from '../format';
 import { goToSection } from '../go_to';
-import { drawLater, whenSeen } from '../draw_order';
+import { drawLater, isNear, whenSeen } from '../draw_order';
 import { onPaper, paperPlace } from '../paper';
 import { onSelect } from '../select';
 import { command } from '../sections/trials';
@@ -126,9 +126,13 @@ export function player(model: Model): HTMLElement {
     words.labels = rowWords.label(scene);
     timeline.draw(palette(), playback.time);
   };
-  /** With the next frame, and once for all that was asked for until then. */
-  const draw = (): void => {
+  const ask = (): void => {
     if (asked === 0) asked = requestAnimationFrame(drawNow);
+  };
+  /** With the next frame, and once for all that was asked for until then. A scene far from the window is drawn when it comes near: pictures that nobody sees would pile up, each waiting for the one before. */
+  const draw = (): void => {
+    if (isNear(stage)) ask();
+    else whenSeen(stage, ask);
   };
 
   const tellLegend = (): void => {
