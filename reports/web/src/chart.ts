@@ -284,21 +284,23 @@ export function gainAxis(p: Palette, values: readonly number[], width: number): 
   };
 }
 
-/** Room on the left of plots side by side for the numbers of their common axis, and on the right for half of the last number below it [px]. */
-const kMargin = 58;
+/** Room on the right of plots side by side for half of the last number below them [px]. */
 const kRight = 28;
+
+/** Of plots side by side [px]: room on the left for the words of their common axis, the least width of one and how many there may be in a row, their height. */
+const kLayout = { left: 58, narrowest: 200, most: 4, high: 118 };
 
 /**
  * A plot for each part under its title, all with the same y axis and, unless `xAxis` gives each its own, the same x axis;
  * `series` gives what each shows.
  */
-export function smallMultiples(width: number, parts: readonly { title: string; colour: string }[], xAxis: Option | ((place: number) => Option), yAxis: Option, series: (place: number) => Option[], tooltip: Option = { show: false }): { height: number; option: Option } {
-  const columns = Math.max(1, Math.min(4, parts.length, Math.floor((width - kMargin) / 200)));
+export function smallMultiples(width: number, parts: readonly { title: string; colour: string }[], xAxis: Option | ((place: number) => Option), yAxis: Option, series: (place: number) => Option[], tooltip: Option = { show: false }, { left, narrowest, most, high } = kLayout): { height: number; option: Option } {
+  const columns = Math.max(1, Math.min(most, parts.length, Math.floor((width - left) / narrowest)));
   const rows = Math.ceil(parts.length / columns);
-  const [high, above, gap, between] = [118, 30, 28, 22];
-  const wide = Math.max(80, Math.min(420, (width - kMargin - kRight - (columns - 1) * between) / columns));
+  const [above, gap, between] = [30, 28, 22];
+  const wide = Math.max(80, Math.min(420, (width - left - kRight - (columns - 1) * between) / columns));
   const grid = parts.map((_, i) => ({
-    left: kMargin + (i % columns) * (wide + between), width: wide, top: above + Math.floor(i / columns) * (high + above + gap), height: high, outerBoundsMode: 'none',
+    left: left + (i % columns) * (wide + between), width: wide, top: above + Math.floor(i / columns) * (high + above + gap), height: high, outerBoundsMode: 'none',
   }));
   const line = { ...(yAxis['axisLine'] as Option | undefined), onZero: false };
   const bottom = (i: number): boolean => i + columns >= parts.length;

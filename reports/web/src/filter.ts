@@ -7,19 +7,13 @@ import { view, type View } from './view';
 
 const kSearched = ['trial', 'controller', 'point', 'family', 'outcome', 'link', 'object', 'reason', 'store'];
 
-/** A column's distinct values, lower-case, in one text that is searched at once; where each of them ends; and by row, which it has. */
-interface Searched { text: string; ends: readonly number[]; codes: readonly number[] }
+/** A column's distinct values in lower case; by row, which of them it has. */
+interface Searched { values: readonly string[]; codes: readonly number[] }
 
 /** Of the data that is loaded now. */
 const searched = new WeakMap<PageData['trials'], Searched[]>();
 
-function searchable(values: readonly string[], codes: readonly number[]): Searched {
-  const lower = values.map((value) => value.toLowerCase());
-  let end = 0;
-  return { text: lower.join('\n'), ends: lower.map((value) => (end += value.length + 1)), codes };
-}
-
-/** The columns that are searched; of worlds as "world:12". */
+/** The columns that are searched; worlds as "world:12". */
 function columns(model: Model): Searched[] {
   let known = searched.get(model.page.trials);
   if (known === undefined) {
@@ -27,25 +21,21 @@ function columns(model: Model): Searched[] {
     const worlds = [...new Set(t.values('world'))];
     const place = new Map(worlds.map((world, i) => [world, i]));
     known = [
-      ...kSearched.map((name) => t.column(name)).filter((column) => column.values.length > 0).map(({ values, codes }) => searchable(values, codes)),
-      searchable(worlds.map((world) => `world:${world}`), Array.from(t.values('world'), (world) => place.get(world) ?? -1)),
+      ...kSearched.map((name) => t.column(name)).map(({ values, codes }) => ({ values: values.map((value) => value.toLowerCase()), codes })),
+      { values: worlds.map((world) => `world:${world}`), codes: Array.from(t.values('world'), (world) => place.get(world) ?? -1) },
     ];
     searched.set(model.page.trials, known);
   }
   return known;
 }
 
-/** 1 for each row of which a text holds `word`, which has no white space. */
+/** 1 for each row of which a text holds `word`. */
 function found(model: Model, word: string): Uint8Array {
   const rows = new Uint8Array(model.trials.n);
-  for (const { text, ends, codes } of columns(model)) {
-    const hit = new Uint8Array(ends.length);
-    for (let at = text.indexOf(word), i = 0; at >= 0; at = text.indexOf(word, ends[i])) {
-      while ((ends[i] ?? Infinity) <= at) ++i;
-      hit[i] = 1;
-    }
-    if (!hit.includes(1)) continue;
-    for (let row = 0; row < rows.length; ++row) if (hit[codes[row] ?? -1] === 1) rows[row] = 1;
+  for (const { values, codes } of columns(model)) {
+    const hit = values.map((value) => value.includes(word));
+    if (!hit.includes(true)) continue;
+    codes.forEach((code, row) => { if (hit[code] === true) rows[row] = 1; });
   }
   return rows;
 }

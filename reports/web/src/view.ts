@@ -85,12 +85,8 @@ function shown(model: Model, slice: Slice, all: readonly Series[], series: Serie
 
 /** The row of a series in the table of results; `family` '': of all together. */
 function rowOf(model: Model, slice: Slice, family: string, s: Pick<Series, 'controller' | 'point'>): SummaryRow | undefined {
-  return summaryRows(model, slice, family).find((row) => row.controller === s.controller && row.point === s.point);
-}
-
-/** Rows of the table of results: of one family, or of all together (''). */
-export function summaryRows(model: Model, slice: Slice, family: string): SummaryRow[] {
-  return (family === '' ? model.page.overall : model.page.summary.filter((row) => row.family === family)).filter((row) => inSlice(row, slice));
+  const { overall, summary } = model.page;
+  return (family === '' ? overall : summary).find((row) => (row.family ?? '') === family && row.controller === s.controller && row.point === s.point && inSlice(row, slice));
 }
 
 /** The row of a series in the table of results, of the chosen family unless another is named; undefined where it has no trials. */

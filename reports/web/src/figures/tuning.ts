@@ -1,6 +1,6 @@
 // A search for gains: what was found and whether it holds on other worlds, how the search went, what matters.
 
-import { axis, gainAxis, gridBox, kFont, kNarrow, nice, pathSeries, ruler, smallMultiples, stairs, tip, tipOf, whiskers, type FigureSpec } from '../chart';
+import { axis, gainAxis, gridBox, nice, pathSeries, ruler, smallMultiples, stairs, tip, tipOf, whiskers, type FigureSpec } from '../chart';
 import { figure } from '../figure';
 import type { Model, TuneSearch } from '../data';
 import { h, table } from '../dom';
@@ -53,45 +53,33 @@ function held(search: TuneSearch, id: string): FigureSpec {
       if (all.length === 0) return null;
       const row = (c: Comparison): string => `${c.family}, ${c.other}`;
       const rows = [...new Set(all.map(row))];
-      const columns = Math.max(1, Math.min(keys.length, width < kNarrow ? 1 : width < 900 ? 2 : 3));
-      const label = Math.min(0.3 * width, 14 + 6.6 * Math.max(...rows.map((r) => r.length)));
-      const [high, above, below] = [22 * rows.length + 8, 30, 40];
-      const wide = (width - label - 24 * columns) / columns;
-      const left = (i: number): number => label + (i % columns) * (wide + 24);
+      const left = Math.min(0.3 * width, 14 + 6.6 * Math.max(...rows.map((r) => r.length)));
       const colour = seriesColour(p, 0);
       const scale = (key: string): number => (isRate(key) ? 100 : 1);
-      const grid = keys.map((_, i) => ({ left: left(i), width: wide, top: above + Math.floor(i / columns) * (high + above + below), height: high, outerBoundsMode: 'none' }));
+      const of = keys.map((key) => all.filter((c) => c.metric === key));
       return {
-        height: Math.ceil(keys.length / columns) * (high + above + below) + 8,
         note: `n = ${[...new Set(all.map((c) => c.n))].map(integer).join(', ')} worlds. Rates: exact McNemar, Holm\u2019s correction over all; others: paired bootstrap.`,
         columns: ['metric', 'family', 'other', 'n', 'difference', 'low', 'high', 'p', 'verdict'],
         rows: all.map((c) => [c.metric, c.family, c.other, c.n, c.difference, c.difference_low, c.difference_high, c.p, c.verdict]),
-        option: {
-          grid,
-          title: keys.map((key, i) => ({ text: `${named(key)}${isRate(key) ? ' [points]' : metric(key).unit && ` [${metric(key).unit}]`}`, left: left(i), top: (grid[i]?.top ?? 0) - 24, padding: 0, textStyle: { color: p.ink, fontSize: 12.5, fontWeight: 600, fontFamily: kFont, width: wide, overflow: 'truncate' } })),
-          xAxis: keys.map((key, i) => {
-            const of = all.filter((c) => c.metric === key);
-            const range = nice(Math.min(0, ...of.map((c) => scale(key) * (c.difference_low ?? c.difference ?? 0))), Math.max(0, ...of.map((c) => scale(key) * (c.difference_high ?? c.difference ?? 0))), 4);
-            return axis(p, '', { ...range, gridIndex: i });
-          }),
-          yAxis: keys.map((_, i) => ({
-            type: 'category', inverse: true, data: rows, gridIndex: i, axisTick: { show: false }, splitLine: { show: false }, axisLine: { show: false },
-            axisLabel: { show: i % columns === 0, color: p.ink, fontSize: 12, width: label - 12, overflow: 'truncate' },
-          })),
-          tooltip: tipOf((c: Comparison) => tip(row(c), [['difference', difference(c)], ['verdict', c.verdict]], colour)),
-          series: keys.flatMap((key, i) => {
-            const of = all.filter((c) => c.metric === key);
-            const at = { xAxisIndex: i, yAxisIndex: i };
-            return [
-              ruler(p, [0, rows[0] ?? ''], [0, rows[rows.length - 1] ?? ''], at),
-              { ...whiskers(of.filter((c) => c.difference_low !== null).map((c) => [scale(key) * (c.difference_low ?? 0), scale(key) * (c.difference_high ?? 0), rows.indexOf(row(c))]), colour, { level: true, width: 2 }), ...at },
-              {
-                type: 'scatter', ...at, symbolSize: 9, z: 4,
-                data: of.map((c) => ({ value: [scale(key) * (c.difference ?? 0), row(c)], of: c, itemStyle: { color: c.verdict === 'no difference shown' ? p.surface : colour, borderColor: colour, borderWidth: 2 } })),
-              },
-            ];
-          }),
-        },
+        ...smallMultiples(width, keys.map((key) => ({ title: `${named(key)}${isRate(key) ? ' [points]' : metric(key).unit && ` [${metric(key).unit}]`}`, colour: p.ink })),
+          (i) => {
+            const ends = (key: 'difference_low' | 'difference_high'): number[] => of[i]!.map((c) => scale(c.metric) * (c[key] ?? c.difference ?? 0));
+            return axis(p, '', nice(Math.min(0, ...ends('difference_low')), Math.max(0, ...ends('difference_high')), 4));
+          },
+          {
+            type: 'category', inverse: true, data: rows, axisTick: { show: false }, splitLine: { show: false }, axisLine: { show: false },
+            axisLabel: { color: p.ink, width: left - 12, overflow: 'truncate' },
+          },
+          (i) => [
+            ruler(p, [0, rows[0] ?? ''], [0, rows[rows.length - 1] ?? '']),
+            whiskers(of[i]!.filter((c) => c.difference_low !== null).map((c) => [scale(c.metric) * (c.difference_low ?? 0), scale(c.metric) * (c.difference_high ?? 0), rows.indexOf(row(c))]), colour, { level: true, width: 2 }),
+            {
+              type: 'scatter', symbolSize: 9, z: 4,
+              data: of[i]!.map((c) => ({ value: [scale(c.metric) * (c.difference ?? 0), row(c)], of: c, itemStyle: { color: c.verdict === 'no difference shown' ? p.surface : colour, borderColor: colour, borderWidth: 2 } })),
+            },
+          ],
+          tipOf((c: Comparison) => tip(row(c), [['difference', difference(c)], ['verdict', c.verdict]], colour)),
+          { left, narrowest: 280, most: 3, high: 22 * rows.length + 8 }),
       };
     },
   };

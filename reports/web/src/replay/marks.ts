@@ -33,41 +33,38 @@ export function grid(colour: string): LineSegments {
   return new LineSegments(shape, new LineBasicMaterial({ color: new Color(colour) }));
 }
 
+/** An arrow from the origin along `direction`, a unit vector: a rod with a cone as its head. */
+function arrow(direction: Vector3, length: number, rod: number, head: { length: number; radius: number }, material: MeshStandardMaterial): Group {
+  const shaft = new Mesh(new CylinderGeometry(rod, rod, length - head.length, 10), material);
+  shaft.position.y = (length - head.length) / 2;
+  const cone = new Mesh(new ConeGeometry(head.radius, head.length, 14), material);
+  cone.position.y = length - head.length / 2;
+  const group = new Group().add(shaft, cone);
+  group.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), direction);
+  return group;
+}
+
 /** A frame's axes: x red, y green, z blue. */
 export function triad(size: number, solid: boolean): Group {
   const group = new Group();
   const axes: [Vector3, number][] = [[new Vector3(1, 0, 0), 0xd0453c], [new Vector3(0, 1, 0), 0x3d9a50], [new Vector3(0, 0, 1), 0x3b72c9]];
   for (const [axis, colour] of axes) {
     const material = new MeshStandardMaterial({ color: colour, transparent: !solid, opacity: solid ? 1 : 0.6, roughness: 0.6 });
-    const rod = new Mesh(new CylinderGeometry(size * 0.045, size * 0.045, size * 0.82, 10), material);
-    rod.position.y = size * 0.41;
-    const head = new Mesh(new ConeGeometry(size * 0.11, size * 0.2, 14), material);
-    head.position.y = size * 0.9;
-    const arrow = new Group();
-    arrow.add(rod, head);
-    arrow.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), axis);
-    group.add(arrow);
+    group.add(arrow(axis, size, 0.045 * size, { length: 0.2 * size, radius: 0.11 * size }, material));
   }
   return group;
 }
 
 /** A collision row as an arrow from the robot to what it must not touch; bold where it holds the command back. */
 export function rowArrow({ first, second, active }: Row, colours: Colours): Group {
-  const group = new Group();
   const along = second.clone().sub(first);
   const length = along.length();
-  if (length < 1e-4) return group;
+  if (length < 1e-4) return new Group();
   const thick = active ? 0.008 : 0.003;
-  const head = Math.min(0.5 * length, 5 * thick);
   const material = new MeshStandardMaterial({ color: new Color(active ? colours.hit : colours.path), transparent: !active, opacity: active ? 1 : 0.45, depthTest: !active });
-  const rod = new Mesh(new CylinderGeometry(thick, thick, length - head, 8), material);
-  rod.position.y = (length - head) / 2;
-  const cone = new Mesh(new ConeGeometry(2.4 * thick, head, 12), material);
-  cone.position.y = length - head / 2;
-  group.add(rod, cone);
+  const group = arrow(along.divideScalar(length), length, thick, { length: Math.min(0.5 * length, 5 * thick), radius: 2.4 * thick }, material);
   group.renderOrder = active ? 2 : 1;
   group.position.copy(first);
-  group.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), along.divideScalar(length));
   return group;
 }
 
