@@ -113,9 +113,8 @@ class Robot:
         """Pairs closer than `within` [m] of an object, `floor` of the floor, `self_pairs` of each other (negative: not
         looked at), nearest first. Objects are as in a case file: {"shape": "sphere", "size": [0.1], "position": [1, 0, 0.5]}."""
         text = json.dumps([dict(item) for item in objects])
-        found = self._core.distances(
-            _vector(base, 3), _vector(q, len(self.joints)), text, within, floor, self_pairs
-        )
+        place = np.zeros(3) if base is None else _vector(base)
+        found = self._core.distances(place, _vector(q), text, within, floor, self_pairs)
         return sorted((Distance(*pair) for pair in found), key=lambda pair: pair.d)
 
     def clearance(
@@ -132,15 +131,12 @@ class Robot:
         if rows.ndim not in (1, 2) or bases.ndim not in (1, 2):
             raise ValueError(f"q has {rows.ndim} and base {bases.ndim} dimensions; both have 1, or 2 for several")
         single = rows.ndim == 1 and bases.ndim == 1
-        count = max(len(rows) if rows.ndim == 2 else 1, len(bases) if bases.ndim == 2 else 1)
-        if rows.ndim == 1:
-            rows = np.broadcast_to(rows, (count, rows.shape[0]))
-        if bases.ndim == 1:
-            bases = np.broadcast_to(bases, (count, bases.shape[0]))
+        rows, bases = np.atleast_2d(rows), np.atleast_2d(bases)
+        count = max(len(rows), len(bases))
+        # A single one stands beside all of the other.
+        rows, bases = (np.repeat(part, count, axis=0) if len(part) == 1 else part for part in (rows, bases))
         return np.ascontiguousarray(rows), np.ascontiguousarray(bases), single
 
 
-def _vector(values: ArrayLike | None, size: int | None = None) -> Floats:
-    if values is None:
-        return np.zeros(size or 0)
-    return np.ascontiguousarray(np.asarray(values, dtype=np.float64).reshape(-1))
+def _vector(values: ArrayLike) -> Floats:
+    return np.ascontiguousarray(values, dtype=np.float64).reshape(-1)
