@@ -224,8 +224,7 @@ export class Model {
   slices: Slice[] = [];
   page: PageData;
   private rowOf = new Map<string, number>();
-  private replayOf = new Map<string, ReplayData>();
-  private named = new Set<string>();
+  private replays = new Map<string, PageData['replays'][number]>();
   private fetched = new Map<string, Promise<Motion>>();
 
   constructor(page: PageData) {
@@ -240,22 +239,14 @@ export class Model {
     kOutcomes = page.outcomes;
     describeSamples(page.words);
     this.trials.load(page.trials);
-    this.slices = [];
+    const slices = page.points.map(({ suite, robot, mode }): Slice => ({ id: [suite, robot, mode].join(' / '), suite, robot, mode }));
+    this.slices = [...new Map(slices.map((slice) => [slice.id, slice])).values()];
     this.rowOf = new Map();
-    this.replayOf = new Map();
-    const seen = new Set<string>();
-    for (const { suite, robot, mode } of page.points) {
-      const id = [suite, robot, mode].join(' / ');
-      if (seen.has(id)) continue;
-      seen.add(id);
-      this.slices.push({ id, suite, robot, mode });
-    }
     for (let row = 0; row < this.trials.n; ++row) {
       const key = this.trials.text('trial', row);
       if (!this.rowOf.has(key)) this.rowOf.set(key, row);
     }
-    this.named = new Set(page.replays.map((replay) => replay.trial));
-    for (const replay of page.replays) if ('data' in replay) this.replayOf.set(replay.trial, replay);
+    this.replays = new Map(page.replays.map((replay) => [replay.trial, replay]));
   }
 
   row(trial: string): number | undefined {
@@ -264,8 +255,7 @@ export class Model {
 
   /** Whether motion() may have it. */
   playable(trial: string): boolean {
-    if (this.page.live?.simulates === true) return this.rowOf.has(trial);
-    return this.page.live === undefined ? this.replayOf.has(trial) : this.named.has(trial);
+    return this.page.live?.simulates === true ? this.rowOf.has(trial) : this.replays.has(trial);
   }
 
   /** What a click on the mark of a trial does, in a sentence that says how many motions are at hand. */
@@ -279,8 +269,8 @@ export class Model {
 
   /** A motion that the page itself holds. */
   embedded(trial: string): Motion | undefined {
-    const replay = this.replayOf.get(trial);
-    return replay === undefined ? undefined : { replay, robot: this.page.robots[replay.robot], simulated: false };
+    const replay = this.replays.get(trial);
+    return replay === undefined || !('data' in replay) ? undefined : { replay, robot: this.page.robots[replay.robot], simulated: false };
   }
 
   /** From the page, or from the server that serves it. */

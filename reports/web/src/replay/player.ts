@@ -229,8 +229,10 @@ export function player(model: Model): HTMLElement {
     hasRows = rows !== null;
     scene.follow = follow.checked;
     scene.resize();
-    scene.show(next, motion.replay.world as WorldJson, decoded, { link: t.text('link', row), object: t.text('object', row) },
-      rows ?? [], point?.success_position_m ?? 0, look);
+    scene.show({
+      robot: next, world: motion.replay.world as WorldJson, trace: decoded, look, rows: rows ?? [],
+      hit: { link: t.text('link', row), object: t.text('object', row) }, tolerance: point?.success_position_m ?? 0,
+    });
     timeline.show(decoded, point === undefined ? null : { position: point.success_position_m, rotation: point.success_orientation_rad });
     ghost = null;
     const twin = beside.wanted(current);

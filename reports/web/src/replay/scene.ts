@@ -23,8 +23,11 @@ export interface WorldJson {
   objects: BodyJson[];
 }
 
-/** Another controller in the same world, on the same clock. */
-export interface Ghost { robot: Robot; trace: Trace; look: readonly Part[] }
+/** A motion of a robot, with what the robot looks like. */
+export interface Moved { robot: Robot; trace: Trace; look: readonly Part[] }
+
+/** A motion in its world: what was hit, the rows of each sample, the radius around the goal that counts as reached [m]. */
+export interface Shown extends Moved { world: WorldJson; hit: { link: string; object: string }; rows: readonly (readonly Row[])[]; tolerance: number }
 
 /** A surface of a robot in the scene. */
 interface Drawn { mesh: Mesh; link: string; local: Matrix4 }
@@ -37,12 +40,10 @@ export class ReplayScene {
   private content = new Group();
   /** What was shown before, until that which is shown now has been drawn. */
   private former: Group | null = null;
-  private robot: Robot | null = null;
-  private world: WorldJson | null = null;
-  private trace: Trace | null = null;
+  private shown: Shown | null = null;
+  private shapesOnly = false;
   private links: Drawn[] = [];
   private bodies: { mesh: Mesh; name: string; start: Placed; motion: MotionJson | undefined }[] = [];
-  private recorded: readonly (readonly Row[])[] = [];   // rows of each sample
   private arrows = new Group();
   private plan = new Group();
   /** Where the base is to go by its path or detour at the time shown; none where it has neither. */
@@ -52,10 +53,9 @@ export class ReplayScene {
   private goal = new Group();
   private tip = new Group();
   private past: Line2 | null = null;
-  private ghost: Ghost | null = null;
+  private ghost: Moved | null = null;   // another controller in the same world, on the same clock
   private ghostPast: Line2 | null = null;
   private ghostLinks: Drawn[] = [];
-  private tolerance = 0;
   private lastBase = new Vector3();
   follow = false;
 
@@ -78,25 +78,18 @@ export class ReplayScene {
 
   setColours(colours: Colours): void {
     this.colours = colours;
-    if (this.robot !== null && this.world !== null && this.trace !== null) this.build();
+    this.build();
   }
 
-  /** `tolerance`: radius around the goal that counts as reached [m]; `rows`: of each sample. */
-  show(robot: Robot, world: WorldJson, trace: Trace, hit: { link: string; object: string }, rows: readonly (readonly Row[])[], tolerance: number, look: readonly Part[]): void {
-    this.robot = robot;
-    this.look = look;
+  show(shown: Shown): void {
+    this.shown = shown;
     this.ghost = null;
-    this.tolerance = tolerance;
-    this.recorded = rows;
-    this.world = world;
-    this.trace = trace;
-    this.hit = hit;
     this.build();
     this.home();
   }
 
   /** Shows another motion in the same world too; null takes it away. The view stays. */
-  beside(ghost: Ghost | null): void {
+  beside(ghost: Moved | null): void {
     this.ghost = ghost;
     this.build();
   }
@@ -113,10 +106,6 @@ export class ReplayScene {
     return this.links.reduce((sum, { mesh }) => sum + (mesh.geometry.index?.count ?? mesh.geometry.getAttribute('position').count) / 3, 0);
   }
 
-  private look: readonly Part[] = [];
-  private shapesOnly = false;
-  private hit = { link: '', object: '' };
-
   private material(colour: string, more: Partial<MeshStandardMaterial> = {}): MeshStandardMaterial {
     const material = new MeshStandardMaterial({ color: new Color(colour), roughness: 0.62, metalness: 0.05 });
     return Object.assign(material, more);
@@ -132,8 +121,9 @@ export class ReplayScene {
   }
 
   private build(): void {
-    const { robot, world, trace, colours } = this;
-    if (robot === null || world === null || trace === null) return;
+    const { shown, colours } = this;
+    if (shown === null) return;
+    const { robot, world, trace } = shown;
     // Shaders live as long as a material needs them, and take longer to compile than to use: the materials of what was
     // shown go when those of what is shown have been drawn.
     if (this.former === null) this.former = this.content;
@@ -156,8 +146,8 @@ export class ReplayScene {
     shade.position.z = -0.002;
     this.content.add(floor, shade, grid(colours.grid));
 
-    const touched = (link: string): boolean => this.hit.link === link || this.hit.object === `self:${link}`;
-    const look = this.shapesOnly ? [] : this.look;
+    const touched = (link: string): boolean => shown.hit.link === link || shown.hit.object === `self:${link}`;
+    const look = this.shapesOnly ? [] : shown.look;
     const hitBody = new Set(robot.shapes.map((s) => s.link).filter(touched).map((link) => robot.rigid(link)));
     this.links = skins(robot, look).map((skin) => {
       const hit = look.length > 0 ? hitBody.has(robot.rigid(skin.link)) : touched(skin.link);
@@ -165,7 +155,7 @@ export class ReplayScene {
     }).concat(wheels(robot, look).map((wheel) => this.draw(wheel, colours.wheel)));
     this.bodies = world.objects.map((body) => {
       const moving = body.motion !== undefined && body.motion.kind !== 'static';
-      const hit = this.hit.object === body.name;
+      const hit = shown.hit.object === body.name;
       const mesh = new Mesh(solid(body), this.material(hit ? colours.hit : moving ? colours.moving : colours.object, { transparent: true, opacity: 0.88 }));
       mesh.castShadow = true;
       this.content.add(mesh);
@@ -175,7 +165,7 @@ export class ReplayScene {
 
     this.addGhost();
     poseAt(robot, trace, 0);
-    this.goal = goalMark(robot, skins(robot, look), this.tolerance, colours.goal);
+    this.goal = goalMark(robot, skins(robot, look), shown.tolerance, colours.goal);
     this.content.add(this.goal);
     this.tip = triad(0.16, false);
     this.arrows = new Group();
@@ -202,8 +192,8 @@ export class ReplayScene {
 
   /** Moves everything to time t. */
   set(t: number): void {
-    const { robot, trace, world } = this;
-    if (robot === null || trace === null || world === null) return;
+    if (this.shown === null) return;
+    const { robot, trace, world } = this.shown;
     if (this.ghost !== null) {
       poseAt(this.ghost.robot, this.ghost.trace, t);
       for (const { mesh, link, local } of this.ghostLinks) mesh.matrix.multiplyMatrices(this.ghost.robot.pose(link), local);
@@ -223,9 +213,9 @@ export class ReplayScene {
     const tip = robot.tipPose(new Matrix4());
     tip.decompose(this.tip.position, this.tip.quaternion, this.tip.scale);
     if (this.past !== null) this.past.geometry.instanceCount = trace.locate(t)[0];   // pieces between samples
-    this.setArrows(t);
-    this.setPlan(t);
+    this.setArrows(this.shown, t);
     const base = new Vector3().setFromMatrixPosition(robot.pose('@base'));
+    this.setPlan(trace, base, t);
     if (this.follow) {
       const step = base.clone().sub(this.lastBase);
       this.camera.position.add(step);
@@ -235,13 +225,11 @@ export class ReplayScene {
   }
 
   /** Collision rows as arrows from the robot to what it must not touch; those that hold the command back bold. */
-  private setArrows(t: number): void {
+  private setArrows({ robot, trace, rows: recorded }: Shown, t: number): void {
     this.dispose(this.arrows);
     this.arrows.clear();
-    const { trace, robot } = this;
-    if (trace === null || robot === null) return;
     const [sample] = trace.locate(t);
-    const rows = this.recorded[sample] ?? [];
+    const rows = recorded[sample] ?? [];
     const names = [...new Set(rows.flatMap((row) => [row.link, row.other]))];
     const placesAt = (when: number): Map<string, Matrix4> => {
       poseAt(robot, trace, when);
@@ -261,13 +249,10 @@ export class ReplayScene {
   }
 
   /** The path that the base follows, from where it should be now; or the straight line to where a detour leads. */
-  private setPlan(t: number): void {
+  private setPlan(trace: Trace, { x, y }: Vector3, t: number): void {
     this.dispose(this.plan);
     this.plan.clear();
-    const { trace, robot } = this;
-    if (trace === null || robot === null) return;
     const detour = detourTarget(trace, t);
-    const { x, y } = new Vector3().setFromMatrixPosition(robot.pose('@base'));
     this.planned = detour === null ? pathAhead(trace, t) : [[x, y], detour];
     this.plan.add(floorPath(this.planned, this.colours.plan));
   }
@@ -286,8 +271,9 @@ export class ReplayScene {
 
   /** Looks from the side, as near as the whole motion allows. */
   home(): void {
-    const { robot, world, trace, ghost } = this;
-    if (robot === null || world === null || trace === null) return;
+    const { shown, ghost } = this;
+    if (shown === null) return;
+    const { robot, world, trace } = shown;
     const [gx = 0, gy = 0, gz = 0] = world.goal.position;
     const points = [...extent(robot, trace), ...(ghost === null ? [] : extent(ghost.robot, ghost.trace)), new Vector3(gx, gy, gz + 0.25), new Vector3(gx, gy, 0)];
     this.set(0);
