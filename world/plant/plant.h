@@ -147,8 +147,8 @@ std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const
 /// number must never reach the physics.
 void check_command(const RobotModel& model, const VectorX& command, double duration);
 
-/// Pairs that are checked for contact: those that the broad phase keeps (reach_watch.h), or all. Both find the same
-/// contacts.
+/// States that are checked for contact: those that GapWatch (gap_watch.h) does not show to be clear, or all. Both find
+/// the same contacts.
 enum class ContactChecks { kWhereSomethingMayTouch, kAll };
 
 /// The command is the velocity: joints move by q + command t, the base along its exact arc. Contacts are checked at
