@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "reports/render/assets.h"
-#include "reports/render/replay_data.h"
 #include "reports/render/store.h"
 
 namespace moma::reports {
@@ -21,26 +20,17 @@ using Found = std::map<std::string, double>;  // by trial
 /// A trial's samples by column.
 class Unpacked {
  public:
-  explicit Unpacked(SQLite::Statement& row)
-      : n_(row.getColumn("n").getInt64()),
-        columns_(parse_stored(row.getColumn("columns").getString()).get<std::vector<std::string>>()) {
-    const SQLite::Column blob = row.getColumn("data");
-    values_ = unpack({row.getColumn("layout").getInt(),
-                      n_,
-                      columns_,
-                      {static_cast<const char*>(blob.getBlob()), static_cast<std::size_t>(blob.getBytes())}});
-  }
+  explicit Unpacked(SQLite::Statement& row) : samples_(samples_of(row)), values_(unpack(samples_)) {}
 
   std::span<const double> column(const std::string& name) const {
-    const auto place = std::find(columns_.begin(), columns_.end(), name);
-    if (place == columns_.end()) throw std::runtime_error("samples: there is no column " + name);
-    const auto n = static_cast<std::size_t>(n_);
-    return std::span(values_).subspan(n * static_cast<std::size_t>(place - columns_.begin()), n);
+    const auto place = std::find(samples_.columns.begin(), samples_.columns.end(), name);
+    if (place == samples_.columns.end()) throw std::runtime_error("samples: there is no column " + name);
+    const auto n = static_cast<std::size_t>(samples_.n);
+    return std::span(values_).subspan(n * static_cast<std::size_t>(place - samples_.columns.begin()), n);
   }
 
  private:
-  long long n_;
-  std::vector<std::string> columns_;
+  StoredSamples samples_;
   std::vector<double> values_;
 };
 

@@ -1,5 +1,6 @@
 #include "reports/render/html.h"
 
+#include <map>
 #include <set>
 
 #include "reports/render/assets.h"
@@ -22,52 +23,19 @@ std::string title(const Json& page) {
   return names.empty() ? page.at("store").at("file").get<std::string>() : names;
 }
 
-}  // namespace
+/// The JSON text, which is valid UTF-8 whatever bytes `json` holds.
+std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-std::string escape(std::string_view text) {
-  // A dump and a look at the parsed text make it valid UTF-8.
-  const std::string valid =
-      Json::parse(Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
-  std::string out;
-  for (const char c : valid) {
-    switch (c) {
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '&':
-        out += "&amp;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
-std::string script_json(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+/// The text with each character that `names` has replaced by its name.
+std::string with_names(const std::string& text, const std::map<char, std::string_view>& names) {
   std::string out;
   out.reserve(text.size());
   for (const char c : text) {
-    if (c == '<') {
-      out += "\\u003c";  // neither </script> nor <!-- can begin
-    } else {
-      out += c;
-    }
+    const auto named = names.find(c);
+    out += named == names.end() ? std::string_view(&c, 1) : named->second;
   }
   return out;
 }
-
-namespace {
 
 /// `reach`: what the content security policy lets the page fetch.
 std::string document(const std::string& title, const std::string& data, const std::string& reach) {
@@ -97,6 +65,15 @@ std::string document(const std::string& title, const std::string& data, const st
 }
 
 }  // namespace
+
+std::string escape(std::string_view text) {
+  const std::string valid = Json::parse(dumped(std::string(text))).get<std::string>();
+  return with_names(valid, {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}});
+}
+
+std::string script_json(const Json& json) {
+  return with_names(dumped(json), {{'<', "\\u003c"}});  // neither </script> nor <!-- can begin
+}
 
 std::string html(const Json& page) { return document(title(page), script_json(page), ""); }
 

@@ -13,16 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-StoredSamples samples_of(SQLite::Statement& row) {
-  const SQLite::Column blob = row.getColumn("data");
-  StoredSamples samples;
-  samples.layout = row.getColumn("layout").getInt();
-  samples.n = row.getColumn("n").getInt64();
-  samples.columns = parse_stored(row.getColumn("columns").getString()).get<std::vector<std::string>>();
-  samples.data = {static_cast<const char*>(blob.getBlob()), static_cast<std::size_t>(blob.getBytes())};
-  return samples;
-}
-
 Json robot_of(SQLite::Database& store, std::int64_t id) {
   SQLite::Statement one(store, "SELECT resolved FROM robot WHERE id = ?1");
   one.bind(1, id);

@@ -77,6 +77,16 @@ nlohmann::ordered_json parse_stored(const std::string& text) {
   return json;
 }
 
+StoredSamples samples_of(SQLite::Statement& row) {
+  const SQLite::Column blob = row.getColumn("data");
+  StoredSamples samples;
+  samples.layout = row.getColumn("layout").getInt();
+  samples.n = row.getColumn("n").getInt64();
+  samples.columns = parse_stored(row.getColumn("columns").getString()).get<std::vector<std::string>>();
+  samples.data = {static_cast<const char*>(blob.getBlob()), static_cast<std::size_t>(blob.getBytes())};
+  return samples;
+}
+
 SQLite::Database open_store(const std::filesystem::path& db, std::chrono::milliseconds patience) {
   const std::string name = db.string();
   std::error_code ignored;

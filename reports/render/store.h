@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "reports/render/replay_data.h"
+
 namespace moma::reports {
 
 /// Schema versions whose tables and views have what the queries of reports/sql ask for.
@@ -23,6 +25,9 @@ SQLite::Database open_store(const std::filesystem::path& db, std::chrono::millis
 /// A JSON text of a store. Throws ReportError where it is none, or is nested deeper than anything that moma writes:
 /// walking over it would not end well.
 nlohmann::ordered_json parse_stored(const std::string& text);
+
+/// A row's columns layout, n, columns and data; valid until the next row.
+StoredSamples samples_of(SQLite::Statement& row);
 
 enum class Writer {
   kAtWork,   ///< a program that computes trials holds the store's lock
