@@ -138,7 +138,7 @@ TEST(GoalClearance, PathsMayComeNearAtARateOfTheirOwn) {
     problem.rows = 0;
     rows.keep_from_resting(kStop, rate);
     rows.select(proximity.query(kinematics, grasp.scene.states, rows.ranges()));
-    rows.add(kinematics, proximity, grasp.scene.states, {}, problem);
+    rows.add(kinematics, grasp.scene.states, {}, problem);
     ASSERT_GT(problem.rows, 0);
     const double own = 0.6 / (0.3 - kStop);
     EXPECT_NEAR(problem.ubA[0], std::max(own, rate) * (problem.ids[0].d - kStop), 1e-12) << rate;
