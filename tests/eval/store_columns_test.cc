@@ -255,7 +255,7 @@ struct SampleRows {
   void inlined(PlanVerdict PlanBrief::*) { describe(*this, Of<PlanVerdict>{}); }
   template <class M>
   void member(std::string_view name, M PlanVerdict::*, const About& about) {
-    add<M>(fmt::format("plan_{}", name), quantity(about.unit, about.text));
+    add<M>(fmt::format("plan_{}", name), {.unit = about.unit, .text = about.text});
   }
 
  private:
