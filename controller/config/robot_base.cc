@@ -1,5 +1,6 @@
 #include <array>
 #include <optional>
+#include <string>
 
 #include "controller/config/json_node.h"
 #include "controller/config/read_described.h"

@@ -19,6 +19,7 @@ TEST(CaseMemory, AStepIsRepeatedBitForBitFromItsFile) {
   for (const std::string robot : {"frankie.yaml", "frankie_omni.yaml"}) {
     Rng rng(1);
     ControlCase c = case_of(robot, "moma-safe.yaml");
+    c.controller.escape.patience = 1.0;  // the robot is moved elsewhere after two seconds
     c.objects = random_objects(rng, 5);
     ControllerCore controller(c.robot.model, c.controller, c.control_period);
     controller.reset(c.objects);
@@ -27,7 +28,6 @@ TEST(CaseMemory, AStepIsRepeatedBitForBitFromItsFile) {
     Observation o = random_observation(*c.robot.model, 5, rng, 1.0);
     for (int k = 0; k < 400; ++k) {
       if (k % 100 == 50) o = random_observation(*c.robot.model, 5, rng, 1.0);
-      // Among what moves the robot is more patient than this test.
       for (ObjectState& object : o.objects)
         if (k < 200) object.V_WO_W.setZero();
       o.objects[4].visible = k % 3 != 0;

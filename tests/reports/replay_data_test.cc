@@ -138,7 +138,7 @@ TEST(ReplayData, RowsComeWithTheirSamples) {
   for (std::size_t i = 0; i < 30; ++i)
     values.push_back(
         static_cast<std::int16_t>(static_cast<unsigned>(bytes[i]) | static_cast<unsigned>(bytes[30 + i]) << 8));
-  EXPECT_EQ(values, (std::vector<int>{8,     4, 3, 0,    0, 1, 1,   1, 0, 2500, -100, 0, 500,   1, 0,
+  EXPECT_EQ(values, (std::vector<int>{8,     1, 2, 0,    0, 1, 1,   1, 0, 2500, -100, 0, 500,   1, 0,
                                       -1000, 0, 0, 2000, 0, 0, 750, 0, 0, 0,    0,    0, 32767, 0, 0}));
   EXPECT_FALSE(replay_data(made.samples, 10.0).contains("rows"));
 }
