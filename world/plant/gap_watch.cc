@@ -86,21 +86,21 @@ void GapWatch::start(const SolidPoses& poses, const std::vector<ObjectState>& ob
   for (Pair& pair : pairs_) pair.room = gap(pair, poses, objects) - kUncertain;
 }
 
-void GapWatch::measure_steps(const SolidPoses& poses, const std::vector<ObjectState>& objects) {
+void GapWatch::measure_steps(const SolidPoses& poses, const std::vector<ObjectState>& objects, double bend) {
   const std::size_t n = shapes_.size();
   const Isometry X_BW = poses.X_WB.inverse();
   for (std::size_t i = 0; i < n; ++i) {
     const double r = shapes_[i].radius;
-    step_[i] = way(last_.X_WS[i], poses.X_WS[i], r);
-    step_[n + i] = way_in_height(last_.X_WS[i], poses.X_WS[i], r);
-    step_[2 * n + i] = way(last_X_BS_[i], X_BW * poses.X_WS[i], r);
+    step_[i] = way(last_.X_WS[i], poses.X_WS[i], r) + 2.0 * bend;
+    step_[n + i] = way_in_height(last_.X_WS[i], poses.X_WS[i], r) + 2.0 * bend;
+    step_[2 * n + i] = way(last_X_BS_[i], X_BW * poses.X_WS[i], r) + 2.0 * bend;
   }
   for (std::size_t k = 0; k < objects_.size(); ++k)
     step_[3 * n + k] = way(last_X_WO_[k], objects[k].X_WO, objects_[k].radius);
 }
 
-bool GapWatch::moves_clear(const SolidPoses& poses, const std::vector<ObjectState>& objects) {
-  measure_steps(poses, objects);
+bool GapWatch::moves_clear(const SolidPoses& poses, const std::vector<ObjectState>& objects, double bend) {
+  measure_steps(poses, objects, bend);
   found_.clear();
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const Pair& pair = pairs_[p];

@@ -46,8 +46,9 @@ class GapWatch {
   void start(const SolidPoses& poses, const std::vector<ObjectState>& objects);
 
   /// True if no pair can have touched between the last state and this one, which then becomes the last state. False if
-  /// one may have touched; nothing changes. No solid may turn by half a revolution in between.
-  bool moves_clear(const SolidPoses& poses, const std::vector<ObjectState>& objects);
+  /// one may have touched; nothing changes. No solid may turn by half a revolution in between. `bend`: bound on the
+  /// deviation of the shapes' paths from straight lines where that may exceed 0.1 mm [m].
+  bool moves_clear(const SolidPoses& poses, const std::vector<ObjectState>& objects, double bend = 0.0);
 
  private:
   // Travel is counted in one list: shapes in the world, in height and in the base's frame, objects, and a constant 0.
@@ -63,7 +64,7 @@ class GapWatch {
   };
 
   void note(const SolidPoses& poses, const std::vector<ObjectState>& objects);
-  void measure_steps(const SolidPoses& poses, const std::vector<ObjectState>& objects);
+  void measure_steps(const SolidPoses& poses, const std::vector<ObjectState>& objects, double bend);
   double gap(const Pair& pair, const SolidPoses& poses, const std::vector<ObjectState>& objects);
 
   std::vector<Solid> shapes_, objects_;
