@@ -226,7 +226,7 @@ void check_position(const MotionLog& log, const Axis& axis, double period) {
 // enough motion pass.
 void check_gains(const MotionLog& log, const std::vector<Fitted>& parts, int trip, Found& found) {
   constexpr double kDoubted = 1.3;
-  constexpr double kFastest = 20.0;  // a faster command is in other units [rad/s, m/s]
+  constexpr double kFastestCommand = 20.0;  // a faster command is in other units [rad/s, m/s]
   const std::size_t from = static_cast<std::size_t>(trip) + 1;
   for (const Fitted& part : parts) {
     for (const Axis* axis : part.group) {
@@ -237,7 +237,7 @@ void check_gains(const MotionLog& log, const std::vector<Fitted>& parts, int tri
       const std::string what = fmt::format("measured velocities are {:.3g} times the commands", alone.gain);
       check_factor(log, *axis, what, alone.gain);
       check_position(log, *axis, found.period);
-      if (const double fastest = largest_of(axis->command); fastest > kFastest)
+      if (const double fastest = largest_of(axis->command); fastest > kFastestCommand)
         found.notes.push_back(fmt::format(
             "{}: commands of up to {:.3g} are faster than drives are: degrees or millimetres?", axis->name, fastest));
       if (times_of(alone.gain) > kDoubted)
