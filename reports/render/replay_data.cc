@@ -144,7 +144,7 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, cons
     const double* from = column(name);
     return from != nullptr && std::any_of(from, from + n, [](double value) { return value != 0.0; });
   };
-  if (ever("plan_mode") || ever("plan_reason") || ever("plan_attempts")) {
+  if (ever("plan_mode") || ever("plan_reason") || ever("plan_attempts") || ever("detour")) {
     for (const std::string& name : samples.columns)
       if (of_a_plan(name)) keep_column(name);
   }

@@ -414,9 +414,9 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
 if (moma !== undefined) {
   const suite = join(work, 'ahead.yaml');
   writeFileSync(suite, `name: ahead\nrobot: ${join(source, 'configs/robots/frankie.yaml')}\ncontrollers: {ahead: ${join(source, 'configs/controllers/moma-ahead.yaml')}}\n`
-    + 'worlds: {seed: 4244, families: {clutter: {weight: 1}, moving: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 12}\ntrials: 10\nsamples: all\n');
+    + 'worlds: {seed: 4244, families: {clutter: {weight: 1}, moving: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 6\nsamples: all\n');
   execFileSync(moma, ['run', suite, '-o', join(work, 'ahead.db'), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
-  execFileSync(moma, ['report', join(work, 'ahead.db'), '-o', join(work, 'ahead.html')], { stdio: 'ignore' });
+  execFileSync(moma, ['report', join(work, 'ahead.db'), '-o', join(work, 'ahead.html'), '--replays', '6'], { stdio: 'ignore' });
   const html = join(work, 'ahead.html');
   const { context, page } = await open(html);
   await page.locator('#replay').scrollIntoViewIfNeeded();
