@@ -139,14 +139,15 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, cons
   // What is left, for whoever looks at one of them.
   for (const std::string& name : samples.columns)
     if (std::find(names.begin(), names.end(), name) == names.end() && !of_a_plan(name)) keep_column(name, &coarse);
-  // Of a controller that looks ahead: what it was about and why, its path, its choice, its detour.
+  // A detour's target, and of a controller that looks ahead its activity and reason, its path and its choice.
   const auto ever = [&](std::string_view name) {
     const double* from = column(name);
     return from != nullptr && std::any_of(from, from + n, [](double value) { return value != 0.0; });
   };
-  if (ever("plan_mode") || ever("plan_reason") || ever("plan_attempts") || ever("detour")) {
+  const bool plans = ever("plan_mode") || ever("plan_reason") || ever("plan_attempts");
+  if (plans || ever("detour")) {
     for (const std::string& name : samples.columns)
-      if (of_a_plan(name)) keep_column(name);
+      if (of_a_plan(name) && (plans || !name.starts_with("plan_"))) keep_column(name);
   }
 
   Json out = {{"hz", hz}, {"n", rows.size()}, {"columns", names}, {"data", packed(planes(kept))}};

@@ -424,8 +424,10 @@ if (moma !== undefined) {
   const words = page.locator('.plan-now');
   let [paths, detours] = [0, 0];
   for (const [i, replay] of dataOf(html).replays.entries()) {
-    if (!replay.columns.includes('plan_mode')) continue;
-    const [times, mode, attempts, detour] = ['t', 'plan_mode', 'plan_attempts', 'detour'].map((name) => column(replay, name));
+    if (!replay.columns.includes('detour')) continue;
+    const plans = replay.columns.includes('plan_mode');
+    const [times, detour] = ['t', 'detour'].map((name) => column(replay, name));
+    const [mode, attempts] = ['plan_mode', 'plan_attempts'].map((name) => (plans ? column(replay, name) : times.map(() => 0)));
     const first = mode.indexOf(1);
     if (first >= 0) {
       let end = first;

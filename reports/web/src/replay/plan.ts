@@ -15,9 +15,9 @@ export function looksAhead(trace: Trace): boolean {
   return trace.has('plan_mode');
 }
 
-/** Mode, reason, place on the path, and the last choice with the times that were predicted; '' without a plan. */
+/** Mode, reason, place on the path, and the last choice with the times that were predicted; without a plan whether there is a detour. */
 export function planSentence(trace: Trace, t: number): string {
-  if (!looksAhead(trace)) return '';
+  if (!looksAhead(trace)) return detourTarget(trace, t) === null ? '' : 'The robot makes a detour.';
   const [i] = trace.locate(t);
   const of = (name: string): number => trace.column(`plan_${name}`)[i] ?? 0;
   const mode = of('mode');
@@ -53,8 +53,8 @@ export function pathAhead(trace: Trace, t: number): [number, number][] {
 
 /** Where a detour leads to at time t, (x, y) in the world; null without one. */
 export function detourTarget(trace: Trace, t: number): [number, number] | null {
-  if (!looksAhead(trace) || !trace.has('detour_x')) return null;
+  if (!trace.has('detour_x')) return null;
   const [i] = trace.locate(t);
   const of = (name: string): number => trace.column(name)[i] ?? 0;
-  return of('detour') === 0 || of('plan_mode') === kFollow ? null : [of('detour_x'), of('detour_y')];
+  return of('detour') === 0 || (looksAhead(trace) && of('plan_mode') === kFollow) ? null : [of('detour_x'), of('detour_y')];
 }
