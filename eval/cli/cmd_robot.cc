@@ -382,9 +382,10 @@ void add_robot(Commands& commands) {
                                       "Enclose the URDF's collision meshes and cylinders in simple shapes: prints "
                                       "`collision` and how well it fits");
   fit->excludes(json);
-  command.add_flag("--lenient", options.lenient,
-                   "What is not understood in the URDF is left out with a warning; for other commands too, `lenient: "
-                   "true` in the robot file does the same");
+  command.add_flag(
+      "--lenient", options.lenient,
+      "Parts of the URDF that moma does not understand are left out with a warning; for other commands too, `lenient: "
+      "true` in the robot file does the same");
   command.add_option("--max-shapes", options.max_shapes, "Most shapes per link for its meshes and cylinders")
       ->check(CLI::Range(1, 12))
       ->capture_default_str()

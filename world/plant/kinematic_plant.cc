@@ -25,10 +25,8 @@ class KinematicPlant final : public Plant {
     state_.qdot = VectorX::Zero(model_->num_velocities());
     q_ = state_.q;
     solids_.X_WS.resize(model_->shapes.size());
-    double farthest = 0.0;
     for (const CollisionShape& shape : model_->shapes)
-      farthest = std::max(farthest, shape.X_LS.translation().norm() + bounding_radius(shape.shape));
-    reach_ = farthest;
+      reach_ = std::max(reach_, shape.X_LS.translation().norm() + bounding_radius(shape.shape));
     for (const Link& link : model_->links) reach_ += link.X_PJ.translation().norm();
     for (const ControlledJoint& joint : model_->joints)
       if (joint.type == JointType::kPrismatic) reach_ += std::max(std::abs(joint.lower), std::abs(joint.upper));
