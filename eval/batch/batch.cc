@@ -178,8 +178,10 @@ BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_
   if (options.profile) profile.emplace(TrialPart::kWorld);
   ProfileClock* const clock = profile ? &*profile : nullptr;
   try {
-    result.world = options.world ? options.world(point, job.world)
-                                 : std::make_shared<const World>(point.worlds.make(point.robot->model, job.world));
+    result.world =
+        options.world
+            ? options.world(point, job.world)
+            : std::make_shared<const World>(point.worlds.make(point.robot->model, job.world, nullptr, job.moves));
     if (result.world == nullptr) throw std::runtime_error(fmt::format("there is no world {}", job.world));
     result.output = run_trial(point, *result.world, options.parts, clock);
     if (options.finish) options.finish(point, result);

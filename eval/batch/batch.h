@@ -18,9 +18,10 @@ namespace moma {
 
 /// One trial to compute: a point of the suite in one world.
 struct BatchJob {
-  std::size_t point = 0;    ///< index into the points of run_batch()
-  std::uint64_t world = 0;  ///< world index
-  std::string key;          ///< trial_key() of point and world
+  std::size_t point = 0;                         ///< index into the points of run_batch()
+  std::uint64_t world = 0;                       ///< world index
+  std::string key;                               ///< trial_key() of point and world
+  std::shared_ptr<const Moves> moves = nullptr;  ///< of the world's random numbers; null: none
 };
 
 /// Returns every point in worlds 0 .. trials-1, world by world: all points meet world 0, then world 1, and so on. The

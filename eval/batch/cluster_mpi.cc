@@ -30,6 +30,7 @@ constexpr std::chrono::seconds kLastWords{2};
 constexpr double kJoinPatience = 10.0;  // factor on lost_after while a rank joins: reading a robot takes time
 constexpr std::size_t kAhead = 1;       // jobs queued at a rank beyond those that its threads compute
 
+// The job's moves follow it.
 struct JobMessage {
   std::uint64_t place = 0;
   std::uint64_t point = 0;
@@ -199,7 +200,10 @@ struct Cluster::Impl {
         worker.out.push_back(ticket.number);
         const BatchJob& job = board.job(*place);
         const JobMessage message{ticket.number, job.point, job.world};
-        outbox.send(static_cast<int>(w), kJob, &message, sizeof message);
+        Bytes bytes(sizeof message + (job.moves ? job.moves->size() * sizeof(Move) : 0));
+        std::memcpy(bytes.data(), &message, sizeof message);
+        if (job.moves) std::memcpy(bytes.data() + sizeof message, job.moves->data(), bytes.size() - sizeof message);
+        outbox.send(static_cast<int>(w), kJob, bytes.data(), bytes.size());
         any = true;
       }
     }
@@ -367,19 +371,22 @@ void Cluster::work(std::span<const SuitePoint> points, const std::string& machin
   if (threads > 0) self.say_hello(threads, machine_class);
   std::mutex mutex;
   std::condition_variable come;
-  std::deque<JobMessage> jobs;
+  struct Task {
+    std::uint64_t place = 0;
+    BatchJob job;
+  };
+  std::deque<Task> tasks;
   std::deque<Bytes> results;
   bool over = false;
   const auto compute = [&] {
     while (true) {
       std::unique_lock lock(mutex);
-      come.wait(lock, [&] { return over || !jobs.empty(); });
+      come.wait(lock, [&] { return over || !tasks.empty(); });
       if (over) return;
-      const JobMessage message = jobs.front();
-      jobs.pop_front();
+      const Task task = std::move(tasks.front());
+      tasks.pop_front();
       lock.unlock();
-      const BatchJob job{static_cast<std::size_t>(message.point), message.world, {}};
-      Bytes bytes = encode_result(message.place, compute_job(points[job.point], job, 0, options));
+      Bytes bytes = encode_result(task.place, compute_job(points[task.job.point], task.job, 0, options));
       lock.lock();
       results.push_back(std::move(bytes));
     }
@@ -395,10 +402,17 @@ void Cluster::work(std::span<const SuitePoint> points, const std::string& machin
       if (letter->tag == kStop) {
         over = true;
         come.notify_all();
-      } else if (letter->tag == kJob && letter->bytes.size() == sizeof(JobMessage)) {
+      } else if (letter->tag == kJob && letter->bytes.size() >= sizeof(JobMessage)) {
         JobMessage message;
         std::memcpy(&message, letter->bytes.data(), sizeof message);
-        if (message.point < points.size()) jobs.push_back(message);
+        Task task{message.place, {static_cast<std::size_t>(message.point), message.world, {}}};
+        const std::size_t count = (letter->bytes.size() - sizeof message) / sizeof(Move);
+        if (count > 0) {
+          auto moves = std::make_shared<Moves>(count);
+          std::memcpy(moves->data(), letter->bytes.data() + sizeof message, count * sizeof(Move));
+          task.job.moves = std::move(moves);
+        }
+        if (message.point < points.size()) tasks.push_back(std::move(task));
         come.notify_one();
       }
     }

@@ -60,20 +60,21 @@ struct RiskOptions {
   std::string event = "collision";
   Format format = Format::kTable;
   bool price = false;
+  double lost_after = 30.0;
   bool quiet = false;
 };
 
 store::QueryResult table(const run::Risk& risk) {
-  store::QueryResult out{{"controller", "family", "p", "low", "high", "trials", "crude", "crude low", "crude high",
-                          "crude trials", "spread/ideal", "died out", "ancestors", "ties"},
+  store::QueryResult out{{"controller", "family", "p", "low", "high", "replicates", "trials", "crude", "crude low",
+                          "crude high", "crude trials", "spread/ideal", "died out", "ancestors", "ties"},
                          {}};
   for (const run::RiskRow& row : risk.rows) {
     const auto known = [&](double value) { return row.refused() ? Cell{} : Cell{value}; };
     const risk::Estimate& e = row.estimate;
     const auto count = [](std::size_t n) { return static_cast<std::int64_t>(n); };
     out.rows.push_back({row.label.empty() ? row.controller : row.controller + ":" + row.label, row.family, known(e.p),
-                        known(e.interval.low), known(e.interval.high), count(row.trials), row.crude,
-                        row.crude_interval.low, row.crude_interval.high, count(row.crude_trials), e.excess(),
+                        known(e.interval.low), known(e.interval.high), count(row.replicates), count(row.trials),
+                        row.crude, row.crude_interval.low, row.crude_interval.high, count(row.crude_trials), e.excess(),
                         count(row.died), count(row.ancestors), count(row.tied)});
   }
   return out;
@@ -90,7 +91,7 @@ std::string moves_text(const run::RiskRow& row) {
                      shares.empty() ? "no level was needed" : "moves accepted: ", fmt::join(shares, ", "));
 }
 
-int risk_of_suite(const RiskOptions& options) {
+int lead(const RiskOptions& options) {
   const Suite suite = options.suite.load();
   const run::RareEvent event = rare_event(options.event, "risk");
   if (!options.quiet) print_warnings(suite.warnings);
@@ -115,6 +116,10 @@ int risk_of_suite(const RiskOptions& options) {
   return refused ? kCheckFailed : kOk;
 }
 
+int risk_of_suite(RiskOptions& options) {
+  return with_ranks("risk", options.request, options.lost_after, false, [&] { return lead(options); });
+}
+
 struct BreakOptions {
   SuiteOptions suite;
   run::BreakRequest request;
@@ -122,6 +127,7 @@ struct BreakOptions {
   std::string worlds;
   Format format = Format::kTable;
   files::Replace replace = files::Replace::kOwn;
+  double lost_after = 30.0;
   bool quiet = false;
 };
 
@@ -137,7 +143,7 @@ store::QueryResult table(const Suite& suite, const run::Broken& broken) {
   return out;
 }
 
-int break_suite(const BreakOptions& options) {
+int lead(const BreakOptions& options) {
   const OutputFile file(options.worlds, "file of worlds", options.replace);
   const Suite suite = options.suite.load();
   const run::RareEvent event = rare_event(options.event, "break");
@@ -159,6 +165,10 @@ int break_suite(const BreakOptions& options) {
   return broken.end == run::End::kFinished ? kOk : stopped_early(broken.stopped);
 }
 
+int break_suite(BreakOptions& options) {
+  return with_ranks("break", options.request, options.lost_after, false, [&] { return lead(options); });
+}
+
 }  // namespace
 
 void add_risk(Commands& commands) {
@@ -169,10 +179,18 @@ void add_risk(Commands& commands) {
   options.suite.add_to(command);
   add_rare_event(command, options.event);
   add_splitting(command, options.request.splitting);
+  command
+      .add_option("--until", options.request.until,
+                  "Adds as many replicates again and again, until the interval's ends are within this factor")
+      ->check(CLI::Range(1.01, 1e6));
+  command.add_option("--most", options.request.most, fmt::format("Most replicates ({})", options.request.most))
+      ->check(CLI::Range(2, 1000000))
+      ->needs("--until");
   command.add_option("--crude", options.request.crude,
                      "Crude trials of each family beside it, the first worlds among them (as many as splitting took)");
   add_moved_trials_store(command, options.request.file);
   add_threads(command, options.request.threads);
+  add_lost_after(command, options.lost_after);
   add_format(command, options.format);
   command.add_flag("--price", options.price, "Only say how many trials it takes, and how long");
   add_quiet(command, options.quiet);
@@ -198,6 +216,7 @@ void add_break(Commands& commands) {
   add_splitting(command, options.request.splitting);
   add_moved_trials_store(command, options.request.file);
   add_threads(command, options.request.threads);
+  add_lost_after(command, options.lost_after);
   add_format(command, options.format);
   add_force(command, options.replace);
   add_quiet(command, options.quiet);

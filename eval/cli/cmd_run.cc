@@ -73,13 +73,12 @@ void print_profile(const Profile& profile) {
                            1e-9 * whole);
 }
 
-int lead(const RunOptions& options, Cluster* cluster) {
+int lead(const RunOptions& options) {
   const Suite suite = load(options);
   if (!options.quiet) print_warnings(suite.warnings);
   run::EvaluateRequest request = options.request;
   request.shard = read_shard(options.shard);
   if (request.file.empty() && !options.rerun.empty() && request.shard.count == 1) request.file = options.suite.file;
-  request.cluster = cluster;
   const Computation computation(request, options.quiet);
   const run::Evaluation done = run::evaluate(request, suite, computation.listener());
   if (!done.stopped.empty()) std::cerr << terminal_safe_lines(done.stopped) << std::endl;
@@ -92,18 +91,8 @@ int lead(const RunOptions& options, Cluster* cluster) {
   return done.end == run::End::kFinished ? kOk : kStoppedEarly;
 }
 
-int run_suite(const RunOptions& options) {
-  if (Cluster::launched() == 1) return lead(options, nullptr);
-  if (!Cluster::built()) {
-    throw UsageError(
-        "run: started by mpirun, but this moma was built without MPI, so that every process would compute everything; "
-        "install libopenmpi-dev and build again, or use --shard");
-  }
-  Cluster cluster(options.lost_after);
-  if (cluster.rank() == 0) return lead(options, &cluster);
-  const InterruptGuard interrupt;  // a signal reaches every rank; rank 0 decides what becomes of it
-  run::follow(cluster, options.request.threads, options.request.profile);
-  return kOk;
+int run_suite(RunOptions& options) {
+  return with_ranks("run", options.request, options.lost_after, options.request.profile, [&] { return lead(options); });
 }
 
 }  // namespace
@@ -120,8 +109,7 @@ void add_run(Commands& commands) {
   add_allow_plugins(command, options.plugins);
   command.add_option("--shard", options.shard,
                      "I/N: part I of N (from 1), for N machines; 'moma merge' joins their stores");
-  command.add_option("--lost-after", options.lost_after, "Seconds of silence after which an MPI rank is given up (30)")
-      ->check(CLI::Range(0.1, 1e6));
+  add_lost_after(command, options.lost_after);
   command.add_flag("--profile", options.request.profile,
                    "Prints where the time of the trials went; results are the same");
   command.add_flag("--keep-going", options.request.keep_going,

@@ -12,6 +12,7 @@
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
+#include "eval/run/evaluate.h"
 
 namespace moma::cli {
 namespace {
@@ -101,6 +102,28 @@ Computation::Computation(run::Request& request, bool quiet) : line_(quiet) {
     line_.show([&] { return describe_progress(p); }, p.done >= p.total);
   };
   listener_.progress_end = [this] { line_.clear(); };
+}
+
+void add_lost_after(CLI::App& command, double& seconds) {
+  command.add_option("--lost-after", seconds, "Seconds of silence after which an MPI rank is given up (30)")
+      ->check(CLI::Range(0.1, 1e6));
+}
+
+int with_ranks(const char* command, run::Request& request, double lost_after, bool profile,
+               const std::function<int()>& lead) {
+  if (Cluster::launched() == 1) return lead();
+  if (!Cluster::built()) {
+    throw UsageError(fmt::format(
+        "{}: started by mpirun, but this moma was built without MPI, so that every process would compute everything; "
+        "install libopenmpi-dev and build again, or use the --shard of moma run",
+        command));
+  }
+  Cluster cluster(lost_after);
+  request.cluster = &cluster;
+  if (cluster.rank() == 0) return lead();
+  const InterruptGuard interrupt;  // a signal reaches every rank; rank 0 decides what becomes of it
+  run::follow(cluster, request.threads, profile);
+  return kOk;
 }
 
 int stopped_early(const std::string& text) {

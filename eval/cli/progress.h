@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -63,6 +64,14 @@ class Computation {
   StatusLine line_;
   run::Listener listener_;
 };
+
+/// Adds --lost-after of a command whose trials the processes of an mpirun share.
+void add_lost_after(CLI::App& command, double& seconds);
+
+/// Runs a command alone or, started by mpirun, as rank 0 of a cluster that `request` then names, or as one of the ranks
+/// that compute for it. Returns the exit code of `lead`; of other ranks 0. Throws UsageError without MPI.
+int with_ranks(const char* command, run::Request& request, double lost_after, bool profile,
+               const std::function<int()>& lead);
 
 /// Tells on stderr what is saved of a run that ended early, and how to go on. Returns the exit code.
 int stopped_early(const std::string& text);

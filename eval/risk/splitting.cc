@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -31,7 +33,6 @@ std::size_t below(std::uint64_t word, std::size_t count) {
 struct Run {
   std::size_t first = 0;  ///< its first place
   double level = -kEvent;
-  double product = 1.0;
   bool done = false;
   std::vector<double> scales;
   std::vector<Acceptance> since;    ///< acceptance of the latest move
@@ -41,7 +42,8 @@ struct Run {
 
 class Splitter {
  public:
-  Splitter(const SplittingOptions& options, Particles& particles) : options_(options), particles_(particles) {}
+  Splitter(const SplittingOptions& options, Particles& particles, std::size_t first)
+      : options_(options), particles_(particles), first_(first * options.particles) {}
 
   Splitting run() {
     const std::size_t n = options_.particles;
@@ -54,7 +56,7 @@ class Splitter {
       runs_[r].scales.assign(particles_.kinds(), 1.0);
       for (std::size_t i = 0; i < n; ++i) runs_[r].ancestor.push_back(i);
     }
-    scores_ = result_.first = particles_.draw(n * runs_.size());
+    scores_ = result_.first = particles_.draw(first_, n * runs_.size());
     result_.evaluations = scores_.size();
     for (bool active = true; active;) {
       active = false;
@@ -84,7 +86,7 @@ class Splitter {
     replicate.ancestors = std::set<std::size_t>(run.ancestor.begin(), run.ancestor.end()).size();
     const double share = static_cast<double>(replicate.hits) / static_cast<double>(n);
     if (replicate.cut || replicate.died_out || replicate.hits == 0) return;
-    replicate.estimate = run.product * share;
+    replicate.estimate = replicate.beyond(std::numeric_limits<double>::max());
     replicate.variance += (1.0 - share) / (share * static_cast<double>(n));
   }
 
@@ -96,6 +98,7 @@ class Splitter {
                                scores_.begin() + static_cast<std::ptrdiff_t>(run.first + n));
     std::sort(sorted.begin(), sorted.end());
     const double level = sorted[n / 2 - 1];
+    replicate.scores.push_back(std::move(sorted));
     if (level == kEvent) return end(run, replicate);
     std::vector<std::size_t> alive;
     run.copies.clear();
@@ -107,10 +110,9 @@ class Splitter {
     ++replicate.levels;
     run.level = level;
     const auto k = static_cast<double>(alive.size()), all = static_cast<double>(n);
-    run.product *= k / all;
     replicate.variance += (all - k) / (k * all);
     for (const std::size_t place : run.copies) {
-      const std::size_t parent = alive[below(words(options_.seed, place, round_)[0], alive.size())];
+      const std::size_t parent = alive[below(random(place)[0], alive.size())];
       particles_.copy(parent, place);
       scores_[place] = scores_[parent];
       run.ancestor[place - run.first] = run.ancestor[parent - run.first];
@@ -123,9 +125,9 @@ class Splitter {
     for (Run& run : runs_) {
       run.since.assign(particles_.kinds(), {});
       for (const std::size_t place : run.copies) {
-        const Words random = words(options_.seed, place, round_);
-        const std::size_t kind = below(random[0], particles_.kinds());
-        proposals_.push_back({place, kind, run.scales[kind], random[1] >> 11});
+        const Words drawn = random(place);
+        const std::size_t kind = below(drawn[0], particles_.kinds());
+        proposals_.push_back({place, kind, run.scales[kind], drawn[1] >> 11});
       }
     }
     const std::vector<double> scores = particles_.propose(proposals_);
@@ -145,6 +147,8 @@ class Splitter {
     for (Run& run : runs_) adapt(run);
   }
 
+  Words random(std::size_t place) const { return words(options_.seed, first_ + place, round_); }
+
   static void adapt(Run& run) {
     for (std::size_t kind = 0; kind < run.since.size(); ++kind) {
       const Acceptance& since = run.since[kind];
@@ -157,6 +161,7 @@ class Splitter {
 
   const SplittingOptions& options_;
   Particles& particles_;
+  std::size_t first_;  ///< number of the particle in place 0
   std::vector<Run> runs_;
   std::vector<double> scores_;
   std::vector<Proposal> proposals_;
@@ -166,16 +171,61 @@ class Splitter {
 
 }  // namespace
 
-Splitting split(const SplittingOptions& options, Particles& particles) {
+double Replicate::beyond(double score) const {
+  double p = 1.0;
+  for (const std::vector<double>& sorted : scores) {
+    const double level = sorted[sorted.size() / 2 - 1];
+    const bool last = &sorted == &scores.back() || score < level;
+    const auto above = sorted.end() - std::upper_bound(sorted.begin(), sorted.end(), last ? score : level);
+    p *= static_cast<double>(above) / static_cast<double>(sorted.size());
+    if (last) break;
+  }
+  return p;
+}
+
+void Splitting::append(Splitting more) {
+  particles = more.particles;
+  evaluations += more.evaluations;
+  kinds.resize(more.kinds.size());
+  for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+    kinds[kind].proposed += more.kinds[kind].proposed;
+    kinds[kind].accepted += more.kinds[kind].accepted;
+  }
+  std::move(more.replicates.begin(), more.replicates.end(), std::back_inserter(replicates));
+  first.insert(first.end(), more.first.begin(), more.first.end());
+  last.insert(last.end(), more.last.begin(), more.last.end());
+}
+
+Splitting split(const SplittingOptions& options, Particles& particles, std::size_t first) {
   if (options.particles < 2 || options.replicates < 1 || options.moves < 1 || options.levels < 0)
     throw std::invalid_argument("split: needs 2 particles, a replicate and a move at least");
-  return Splitter(options, particles).run();
+  return Splitter(options, particles, first).run();
 }
 
 double expected_evaluations(const SplittingOptions& options, double p) {
   const double levels = std::max(0.0, std::floor(-std::log2(p)));
   return static_cast<double>(options.particles * options.replicates) * (1.0 + 0.5 * levels * options.moves);
 }
+
+namespace {
+
+/// Mean of the replicates' estimates, their spread, and its log-normal interval; [0, 1] for a single replicate.
+Estimate mean_of(const std::vector<double>& replicates) {
+  const auto m = static_cast<double>(replicates.size());
+  Estimate out;
+  out.interval = {0.0, 1.0};
+  for (const double p : replicates) out.p += p / m;
+  if (out.p <= 0.0 || replicates.size() < 2) return out;
+  double squares = 0.0;
+  for (const double p : replicates) squares += (p - out.p) * (p - out.p);
+  out.spread = std::sqrt(squares / (m - 1.0)) / out.p;
+  const double t = boost::math::quantile(boost::math::students_t(m - 1.0), 0.975);
+  const double factor = std::exp(t * std::sqrt(std::log1p(out.spread * out.spread / m)));
+  out.interval = {out.p / factor, std::min(1.0, out.p * factor)};
+  return out;
+}
+
+}  // namespace
 
 Estimate estimate(std::span<const Stratum> strata) {
   if (strata.empty()) throw std::invalid_argument("estimate: no strata");
@@ -197,22 +247,37 @@ Estimate estimate(std::span<const Stratum> strata) {
     if (found > 0.0) ideal += mean * mean * variance / found;
     heaviest = std::max(heaviest, stratum.weight);
   }
-  Estimate out;
-  for (const double p : joined) out.p += p / m;
-  if (out.p <= 0.0) {
+  Estimate out = mean_of(joined);
+  if (out.p > 0.0) {
+    out.ideal = std::sqrt(ideal) / out.p;
+  } else {
     const double n = static_cast<double>(strata.front().run->particles) * m;
     const double most = std::log(2.0 / 0.05) / n;  // -log of the probability that n draws may have missed
     out.interval = {0.0, std::min(1.0, strata.size() == 1 ? -std::expm1(-most) : heaviest * most)};
-    return out;
   }
-  double squares = 0.0;
-  for (const double p : joined) squares += (p - out.p) * (p - out.p);
-  out.ideal = std::sqrt(ideal) / out.p;
-  if (count < 2) return out;
-  out.spread = std::sqrt(squares / (m - 1.0)) / out.p;
-  const double t = boost::math::quantile(boost::math::students_t(m - 1.0), 0.975);
-  const double factor = std::exp(t * std::sqrt(std::log1p(out.spread * out.spread / m)));
-  out.interval = {out.p / factor, std::min(1.0, out.p * factor)};
+  return out;
+}
+
+std::vector<Exceedance> exceedances(std::span<const Stratum> strata, std::size_t most) {
+  std::set<double> levels;
+  for (const Stratum& stratum : strata)
+    for (const Replicate& replicate : stratum.run->replicates)
+      for (const std::vector<double>& sorted : replicate.scores)
+        if (const double level = sorted[sorted.size() / 2 - 1]; std::isfinite(level)) levels.insert(level);
+  const std::vector<double> all(levels.begin(), levels.end());
+  std::vector<Exceedance> out;
+  for (std::size_t k = 0, count = std::min(most, all.size()); k < count; ++k) {
+    const double score = all[count < 2 ? 0 : k * (all.size() - 1) / (count - 1)];
+    double crude = 0.0;
+    std::vector<double> joined(strata.front().run->replicates.size(), 0.0);
+    for (const auto& [weight, run] : strata) {
+      for (std::size_t r = 0; r < joined.size(); ++r) joined[r] += weight * run->replicates[r].beyond(score);
+      const auto above = std::count_if(run->first.begin(), run->first.end(), [&](double s) { return s > score; });
+      crude += weight * static_cast<double>(above) / static_cast<double>(run->first.size());
+    }
+    const Estimate mean = mean_of(joined);
+    out.push_back({score, mean.p, mean.interval, crude});
+  }
   return out;
 }
 

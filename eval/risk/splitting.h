@@ -27,7 +27,7 @@ struct SplittingOptions {
 /// A proposed move. Its kernel must preserve the particles' distribution and be reversible for it, for any kind and
 /// scale.
 struct Proposal {
-  std::size_t place = 0;  ///< index of the particle: replicate * N + particle
+  std::size_t place = 0;  ///< place of the particle
   std::size_t kind = 0;
   double scale = 1.0;    ///< step size in (0, 1], adapted to an acceptance of 0.3
   std::uint64_t id = 0;  ///< below 2^53; determines the move
@@ -38,8 +38,8 @@ class Particles {
   virtual ~Particles() = default;
   /// Number of kinds of moves; at least 1.
   virtual std::size_t kinds() const = 0;
-  /// Draws `count` particles into places 0 .. count - 1, and returns their scores.
-  virtual std::vector<double> draw(std::size_t count) = 0;
+  /// Draws the particles `first` .. `first` + `count` - 1 into places 0 .. count - 1, and returns their scores.
+  virtual std::vector<double> draw(std::size_t first, std::size_t count) = 0;
   /// Returns the score of each proposal's moved particle.
   virtual std::vector<double> propose(std::span<const Proposal> proposals) = 0;
   virtual void accept(std::size_t i) = 0;
@@ -52,11 +52,15 @@ struct Replicate {
   double estimate = 0.0;  ///< unbiased
   double variance = 0.0;  ///< least relative variance for these levels: sum (N - K) / (K N)
   int levels = 0;
-  std::size_t hits = 0;       ///< final particles that are events
-  std::size_t ancestors = 0;  ///< number of first draws that the final particles descend from
-  std::size_t tied = 0;       ///< most particles that died at a level because they equalled it
-  bool died_out = false;      ///< no particle lay above a level
-  bool cut = false;           ///< exceeded SplittingOptions::levels
+  std::size_t hits = 0;                     ///< final particles that are events
+  std::size_t ancestors = 0;                ///< number of first draws that the final particles descend from
+  std::size_t tied = 0;                     ///< most particles that died at a level because they equalled it
+  bool died_out = false;                    ///< no particle lay above a level
+  bool cut = false;                         ///< exceeded SplittingOptions::levels
+  std::vector<std::vector<double>> scores;  ///< of each generation, sorted
+
+  /// Unbiased estimate of the probability that a score exceeds `score`.
+  double beyond(double score) const;
 };
 
 struct Acceptance {
@@ -70,14 +74,17 @@ struct Splitting {
   std::vector<Acceptance> kinds;    ///< over all levels
   std::vector<double> first, last;  ///< scores of the first draws and of the last generation, by place
   std::size_t evaluations = 0;      ///< number of computed scores
+
+  /// Adds further replicates of as many particles.
+  void append(Splitting more);
 };
 
-/// Runs all replicates at once, so that a round of moves is one call of propose(). Each level kills every particle
-/// whose score is at most the N/2-th lowest. With K survivors of a level,
+/// Runs the replicates `first` .. `first` + R - 1 at once, so that a round of moves is one call of propose(). Each
+/// level kills every particle whose score is at most the N/2-th lowest. With K survivors of a level,
 ///   p = prod(K / N) * hits / N
-/// is unbiased for any ties. A pure function of options and particles. Sources: Cerou & Guyader, Stoch. Anal. Appl. 25,
-/// 2007; Brehier et al., Ann. Appl. Probab. 26, 2016.
-Splitting split(const SplittingOptions& options, Particles& particles);
+/// is unbiased for any ties. A replicate is a pure function of options, particles and its number. Sources: Cerou &
+/// Guyader, Stoch. Anal. Appl. 25, 2007; Brehier et al., Ann. Appl. Probab. 26, 2016.
+Splitting split(const SplittingOptions& options, Particles& particles, std::size_t first = 0);
 
 /// Number of scores of the ideal algorithm for an event of probability p: R N (1 + log2(1 / p) T / 2).
 double expected_evaluations(const SplittingOptions& options, double p);
@@ -95,6 +102,8 @@ struct Estimate {
   double ideal = 0.0;        ///< its value for moves without memory
   /// Spread / ideal: normally 1.1 to 1.5; 1 if p = 0.
   double excess() const { return ideal > 0.0 && p > 0.0 ? spread / ideal : 1.0; }
+  /// The interval's high end divided by its low end; infinite if p = 0.
+  double factor() const { return interval.high / interval.low; }
 };
 
 inline constexpr double kDoubtfulExcess = 2.0;  ///< above it the interval is doubtful
@@ -105,5 +114,16 @@ inline constexpr double kRefusedExcess = 3.0;   ///< above it there is no interv
 /// If every replicate is 0, it is that of the first draws, none of which is an event (Clopper & Pearson, Biometrika 26,
 /// 1934; for several strata its bound for the worst shares). [0, 1] for a single replicate.
 Estimate estimate(std::span<const Stratum> strata);
+
+/// The probability that a score exceeds a value.
+struct Exceedance {
+  double score = 0.0;
+  double p = 0.0;
+  stats::Interval interval;  ///< 95 %, as of estimate()
+  double crude = 0.0;        ///< share of the first draws
+};
+
+/// The way to the event: exceedances of at most `most` of the levels, by increasing score.
+std::vector<Exceedance> exceedances(std::span<const Stratum> strata, std::size_t most = 40);
 
 }  // namespace moma::risk

@@ -54,7 +54,7 @@ class Run {
       result_.file = usual_store(
           suite.name, shard.count > 1 ? fmt::format(".shard-{}-of-{}", shard.index, shard.count) : std::string());
     }
-    threads_ = request.threads > 0 ? request.threads : usual_threads(request.cluster != nullptr);
+    threads_ = threads_of(request);
   }
 
   Evaluation execute() {

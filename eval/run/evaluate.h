@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "eval/batch/cluster.h"
 #include "eval/run/listener.h"
 #include "eval/suite/suite.h"
 
@@ -21,9 +20,8 @@ struct Shard {
 /// `file`: usual_store() if empty.
 struct EvaluateRequest : Request {
   Shard shard;
-  bool profile = false;        ///< measure the parts of the trials' time
-  bool keep_going = false;     ///< go on even if a point's first trials all end by the same error
-  Cluster* cluster = nullptr;  ///< set on rank 0 of an mpirun
+  bool profile = false;     ///< measure the parts of the trials' time
+  bool keep_going = false;  ///< go on even if a point's first trials all end by the same error
 };
 
 struct Evaluation {

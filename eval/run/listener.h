@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "eval/batch/batch.h"
+#include "eval/batch/cluster.h"
 
 namespace moma::run {
 
@@ -23,6 +23,7 @@ struct Request {
   std::vector<std::string> arguments;       ///< the command line, for provenance and "to go on"
   int threads = 0;                          ///< 0: usual_threads()
   const std::atomic<bool>* stop = nullptr;  ///< if set, trials in flight finish and are saved
+  Cluster* cluster = nullptr;               ///< set on rank 0 of an mpirun
 };
 
 /// Callbacks during a run, called from one thread at a time. Texts are sentences for a person without a line end, and

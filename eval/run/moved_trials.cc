@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "eval/run/store_file.h"
+#include "eval/store/machine.h"
 #include "eval/store/records.h"
 #include "eval/store/run_lock.h"
 #include "eval/trial/key.h"
@@ -23,28 +24,20 @@ store::WorldRecord without_content(const Worlds& worlds, std::uint64_t index, co
   return record;
 }
 
-const Moves& moves_of(const MovedWorld& world) {
-  static const Moves none;
-  return world.moves ? *world.moves : none;
-}
-
-/// Trials of moved worlds in a store; a job's world is a place in `worlds`.
+/// Trials of moved worlds in a store.
 class MovedSource : public TrialSource {
  public:
-  MovedSource(store::Writer& writer, std::span<const MovedWorld> worlds) : writer_(writer), worlds_(worlds) {}
+  explicit MovedSource(store::Writer& writer) : writer_(writer) {}
   std::optional<TrialRow> find(const std::string& key) override { return writer_.find(key); }
   void add(const SuitePoint& point, const BatchJob& job, const BatchResult& result) override {
     if (result.output.row.outcome == Outcome::kError) return;
-    const MovedWorld& world = worlds_[job.world];
-    const Moves& moves = moves_of(world);
     const store::WorldRecord record =
-        moves.empty() ? store::describe(*result.world) : without_content(point.worlds, world.index, moves);
-    writer_.add({store::kNoPoint, world.index, job.key}, record, result.output.row, nullptr);
+        job.moves == nullptr ? store::describe(*result.world) : without_content(point.worlds, job.world, *job.moves);
+    writer_.add({store::kNoPoint, job.world, job.key}, record, result.output.row, nullptr);
   }
 
  private:
   store::Writer& writer_;
-  std::span<const MovedWorld> worlds_;
 };
 
 }  // namespace
@@ -67,27 +60,33 @@ std::vector<TrialRow> MovedTrials::rows(std::size_t point, std::span<const Moved
   const SuitePoint& of = suite_.points[point];
   const TrialKeys keys(of);
   std::vector<BatchJob> jobs;
-  for (std::size_t i = 0; i < worlds.size(); ++i)
-    jobs.push_back({point, i, keys.key(of.worlds.identity(worlds[i].index, moves_of(worlds[i])))});
+  for (const auto& [index, moves] : worlds)
+    jobs.push_back({point, index, keys.key(of.worlds.identity(index, moves ? *moves : Moves())), moves});
   BatchOptions batch;
-  batch.threads = threads_;
-  batch.stop = stop_;
+  batch.threads = threads_of(request_);
+  batch.stop = request_.stop;
+  batch.remote = request_.cluster;
   if (progress) batch.progress = listener_.progress;
-  batch.world = [&](const SuitePoint& at, std::uint64_t i) {
-    const MovedWorld& world = worlds[i];
-    return std::make_shared<const World>(at.worlds.make(at.robot->model, world.index, nullptr, world.moves));
-  };
   batch.finish = [](const SuitePoint&, BatchResult& result) { Trace().swap(result.output.trace); };
   std::optional<MovedSource> source;
-  if (writer_ != nullptr) source.emplace(*writer_, worlds);
+  if (writer_ != nullptr) source.emplace(*writer_);
   std::vector<TrialRow> rows = trial_rows(suite_.points, jobs, batch, source ? &*source : nullptr, counts_);
   if (progress) listener_.progress_end();
   return rows;
 }
 
+void MovedTrials::keep(const nlohmann::ordered_json& estimates) {
+  if (writer_ != nullptr) writer_->keep_risk(estimates.dump());
+}
+
 End with_moved_trials(const Request& request, const Suite& suite, const Listener& listener,
                       const std::function<void(MovedTrials&)>& work, std::string& stopped) {
-  const int threads = request.threads > 0 ? request.threads : usual_threads();
+  if (request.cluster != nullptr) {
+    nlohmann::ordered_json alone = suite.resolved;  // without what of a trial is not kept here
+    alone["samples"] = "none";
+    alone.erase("metrics");
+    request.cluster->lead(alone.dump(), store::this_machine().machine_class, listener.notice);
+  }
   std::optional<store::RunLock> lock;
   std::optional<store::Writer> writer;
   if (!request.file.empty()) {
@@ -101,10 +100,10 @@ End with_moved_trials(const Request& request, const Suite& suite, const Listener
     if (lock->exclusive()) tell_killed(writer->close_killed(), lock_left, listener);
     store::SuiteRecord record = store::describe(suite);
     record.metrics.clear();  // metrics of single trials are for trials that belong to a point
-    writer->begin(record, {request.arguments, threads}, {});
+    writer->begin(record, {request.arguments, threads_of(request)}, {});
   }
   try {
-    MovedTrials trials(suite, writer ? &*writer : nullptr, threads, request.stop, listener);
+    MovedTrials trials(suite, writer ? &*writer : nullptr, request, listener);
     work(trials);
     listener.note(
         fmt::format("{} trials computed, {} taken from the store", trials.counts().computed, trials.counts().reused));

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,26 +29,27 @@ std::shared_ptr<const Moves> noise_drawn_again(int number);
 /// Throws RunError if a point's worlds are not drawn by families: such worlds cannot be moved.
 void check_drawn(const Suite& suite, std::string_view command);
 
-/// Trials of a suite's points in moved worlds, on all cores. Trials that the store has under their keys are not
-/// computed. New ones are stored without samples, except errors.
+/// Trials of a suite's points in moved worlds, on all cores and ranks. Trials that the store has under their keys are
+/// not computed. New ones are stored without samples, except errors.
 class MovedTrials {
  public:
   /// `writer`, after its begin(), may be null. All arguments must outlive this object.
-  MovedTrials(const Suite& suite, store::Writer* writer, int threads, const std::atomic<bool>* stop,
-              const Listener& listener)
-      : suite_(suite), writer_(writer), threads_(threads), stop_(stop), listener_(listener) {}
+  MovedTrials(const Suite& suite, store::Writer* writer, const Request& request, const Listener& listener)
+      : suite_(suite), writer_(writer), request_(request), listener_(listener) {}
 
   /// Returns rows in the order of `worlds`, the same for any number of threads. `progress`: notifies the listener after
   /// each trial. Throws Interrupted, store::StoreError.
   std::vector<TrialRow> rows(std::size_t point, std::span<const MovedWorld> worlds, bool progress = false);
+
+  /// Keeps what a risk command found with its invocation, for the page; without a store it does nothing.
+  void keep(const nlohmann::ordered_json& estimates);
 
   const TrialCounts& counts() const { return counts_; }
 
  private:
   const Suite& suite_;
   store::Writer* writer_;
-  int threads_;
-  const std::atomic<bool>* stop_;
+  const Request& request_;
   const Listener& listener_;
   TrialCounts counts_;
 };

@@ -114,8 +114,8 @@ std::vector<double> TrialParticles::scores(const std::vector<TrialRow>& rows) co
   return out;
 }
 
-std::vector<double> TrialParticles::draw(std::size_t count) {
-  worlds_ = unmoved(0, count);
+std::vector<double> TrialParticles::draw(std::size_t first, std::size_t count) {
+  worlds_ = unmoved(first, first + count);
   rows_ = trials_.rows(point_, worlds_, true);
   return scores(rows_);
 }
@@ -171,13 +171,25 @@ struct RiskRun {
   void point(std::size_t number, Risk& risk) {
     const SuitePoint& at = suite.points[number];
     const auto shares = at.worlds.shares();
+    std::vector<TrialParticles> particles;
     std::vector<risk::Splitting> runs(shares.size());
     std::vector<risk::Stratum> strata;
-    RiskRow all;
+    for (std::size_t f = 0; f < shares.size(); ++f) {
+      particles.emplace_back(at, number, shares[f].first, event, trials, listener);
+      strata.push_back({shares[f].second, &runs[f]});
+    }
+    split(at, particles, runs, strata, risk.warnings);
+    RiskRow all = row_of(at, "all");
     double below = 0.0, above = 0.0;
     for (std::size_t f = 0; f < shares.size(); ++f) {
-      RiskRow row = family(number, shares[f].first, runs[f], risk.warnings);
-      strata.push_back({shares[f].second, &runs[f]});
+      RiskRow row = row_of(at, shares[f].first);
+      for (std::size_t kind = 0; kind < runs[f].kinds.size(); ++kind)
+        row.moves.emplace_back(TrialParticles::name_of_kind(kind), runs[f].kinds[kind]);
+      row.trials = runs[f].evaluations;
+      crude(number, particles[f], runs[f], row);
+      warn_of_jumps(runs[f], row, risk.warnings);
+      const risk::Stratum whole{1.0, &runs[f]};
+      conclude(row, {&whole, 1}, risk.warnings);
       all.trials += row.trials;
       all.crude_trials += row.crude_trials;
       all.crude += shares[f].second * row.crude;
@@ -186,33 +198,39 @@ struct RiskRun {
       risk.rows.push_back(std::move(row));
     }
     if (shares.size() < 2) return;
-    all.controller = at.controller;
-    all.label = at.label;
-    all.family = "all";
-    all.estimate = risk::estimate(strata);
     all.crude_interval = {all.crude - std::sqrt(below), std::min(1.0, all.crude + std::sqrt(above))};
-    diagnose(all, strata, risk.warnings);
+    conclude(all, strata, risk.warnings);
     risk.rows.push_back(std::move(all));
   }
 
-  RiskRow family(std::size_t number, const std::string& family, risk::Splitting& run,
-                 std::vector<std::string>& warnings) {
-    const SuitePoint& at = suite.points[number];
+  /// Runs the families' replicates: the requested ones or, with `until`, as many as the interval needs.
+  void split(const SuitePoint& at, std::vector<TrialParticles>& particles, std::vector<risk::Splitting>& runs,
+             const std::vector<risk::Stratum>& strata, std::vector<std::string>& warnings) const {
+    const std::size_t group = request.splitting.replicates;
+    for (std::size_t count = group;; count += group) {
+      for (std::size_t f = 0; f < runs.size(); ++f) {
+        const RiskRow row = row_of(at, at.worlds.shares()[f].first);
+        listener.note(fmt::format("{}: splitting, replicates {} to {}", name(row), count - group + 1, count));
+        runs[f].append(risk::split(request.splitting, particles[f], count - group));
+      }
+      if (!request.until) return;
+      const RiskRow all = row_of(at, runs.size() == 1 ? at.worlds.shares().front().first : "all");
+      const risk::Estimate now = risk::estimate(strata);
+      const std::string text = fmt::format("{}: after {} replicates {:.2g} [{:.2g}, {:.2g}]", name(all), count, now.p,
+                                           now.interval.low, now.interval.high);
+      listener.note(text);
+      if (now.p > 0.0 && now.factor() <= *request.until && now.excess() <= risk::kRefusedExcess) return;
+      if (count + group <= request.most) continue;
+      warnings.push_back(fmt::format("{}, NOT within a factor of {:g}", text, *request.until));
+      return;
+    }
+  }
+
+  static RiskRow row_of(const SuitePoint& at, const std::string& family) {
     RiskRow row;
     row.controller = at.controller;
     row.label = at.label;
     row.family = family;
-    listener.note(fmt::format("{}: splitting", name(row)));
-    TrialParticles particles(at, number, family, event, trials, listener);
-    run = risk::split(request.splitting, particles);
-    for (std::size_t kind = 0; kind < run.kinds.size(); ++kind)
-      row.moves.emplace_back(particles.name_of_kind(kind), run.kinds[kind]);
-    row.trials = run.evaluations;
-    const risk::Stratum whole{1.0, &run};
-    row.estimate = risk::estimate({&whole, 1});
-    crude(number, particles, run, row);
-    warn_of_jumps(run, row, warnings);
-    diagnose(row, {&whole, 1}, warnings);
     return row;
   }
 
@@ -241,7 +259,10 @@ struct RiskRun {
                     name(row), contacts, near, 1e3 * kNear));
   }
 
-  void diagnose(RiskRow& row, std::span<const risk::Stratum> strata, std::vector<std::string>& warnings) const {
+  void conclude(RiskRow& row, std::span<const risk::Stratum> strata, std::vector<std::string>& warnings) const {
+    row.estimate = risk::estimate(strata);
+    row.way = risk::exceedances(strata);
+    row.replicates = strata.front().run->replicates.size();
     std::size_t cut = 0;
     row.ancestors = strata.front().run->particles;
     for (const risk::Stratum& stratum : strata) {
@@ -270,10 +291,40 @@ struct RiskRun {
   }
 };
 
+nlohmann::ordered_json to_json(const RiskRow& row, const RareEvent& event) {
+  const risk::Estimate& e = row.estimate;
+  nlohmann::ordered_json way = nlohmann::ordered_json::array(), moves = nlohmann::ordered_json::object();
+  for (const risk::Exceedance& at : row.way)
+    way.push_back({event.value_of(at.score), at.p, at.interval.low, at.interval.high, at.crude});
+  for (const auto& [kind, count] : row.moves) moves[kind] = {count.accepted, count.proposed};
+  return {{"controller", row.controller},
+          {"point", row.label},
+          {"family", row.family},
+          {"event", event.text()},
+          {"level", event.level()},
+          {"at", event.at() ? nlohmann::ordered_json(*event.at()) : nlohmann::ordered_json()},
+          {"p", e.p},
+          {"low", e.interval.low},
+          {"high", e.interval.high},
+          {"refused", row.refused()},
+          {"replicates", row.replicates},
+          {"trials", row.trials},
+          {"crude", row.crude},
+          {"crude_low", row.crude_interval.low},
+          {"crude_high", row.crude_interval.high},
+          {"crude_trials", row.crude_trials},
+          {"excess", e.excess()},
+          {"died", row.died},
+          {"ancestors", row.ancestors},
+          {"tied", row.tied},
+          {"moves", std::move(moves)},
+          {"way", std::move(way)}};
+}
+
 }  // namespace
 
 std::string price_of_risk(const RiskRequest& request, const Suite& suite) {
-  const int threads = request.threads > 0 ? request.threads : usual_threads();
+  const int threads = threads_of(request);
   WorldSurvey survey;
   const TrialTime time = trial_time(suite, 1.0, survey);
   double runs = 0.0;
@@ -289,9 +340,12 @@ std::string price_of_risk(const RiskRequest& request, const Suite& suite) {
   };
   return fmt::format(
       "price: a trial takes {:.0f} ms; {} x {} particles, {} moves a copy, for each controller and family ({}), crude "
-      "trials included, on {} threads: {}; {}; {}",
+      "trials included, on {} threads: {}; {}; {}{}",
       1e3 * time.each, request.splitting.replicates, request.splitting.particles, request.splitting.moves, runs,
-      threads, price(1e-2), price(1e-4), price(1e-6));
+      threads, price(1e-2), price(1e-4), price(1e-6),
+      request.until ? fmt::format("; at most {} times that, until the interval is within a factor of {:g}",
+                                  std::max<std::size_t>(1, request.most / request.splitting.replicates), *request.until)
+                    : "");
 }
 
 Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEvent& event, const Listener& listener) {
@@ -302,6 +356,9 @@ Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEve
       [&](MovedTrials& trials) {
         RiskRun run{request, suite, event, listener, trials};
         for (std::size_t p = 0; p < suite.points.size(); ++p) run.point(p, risk);
+        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        for (const RiskRow& row : risk.rows) rows.push_back(to_json(row, event));
+        trials.keep(rows);
         if (trials.counts().errors > 0)
           risk.warnings.push_back(fmt::format("{} trials ended with an error and count as no event; the first: {}",
                                               trials.counts().errors, trials.counts().first_error));

@@ -25,6 +25,8 @@ class RareEvent {
   const std::string& text() const { return text_; }
   /// Name of the metric that sorts the trials.
   const std::string& level() const { return level_.name(); }
+  /// The metric's value at the event, where the event is one.
+  std::optional<double> at() const { return !outcome_ || collision() ? std::optional(value_) : std::nullopt; }
   bool collision() const { return outcome_.value_or(Outcome::kSuccess) == Outcome::kCollision; }
   bool happened(const TrialRow& row) const;
   /// Returns risk::kEvent if the event happened; otherwise a score that increases with nearness, -infinity without a
@@ -40,7 +42,7 @@ class RareEvent {
   std::string text_;
   tune::Metric level_;
   double sign_;                     ///< -1: smaller values are nearer
-  double value_ = 0.0;              ///< VALUE of METRIC<VALUE
+  double value_ = 0.0;              ///< VALUE of METRIC<VALUE; clearance of a contact
   std::optional<Outcome> outcome_;  ///< empty: METRIC<VALUE
 };
 
@@ -52,7 +54,7 @@ class TrialParticles final : public risk::Particles {
                  MovedTrials& trials, const Listener& listener);
 
   std::size_t kinds() const override { return kinds_; }
-  std::vector<double> draw(std::size_t count) override;
+  std::vector<double> draw(std::size_t first, std::size_t count) override;
   std::vector<double> propose(std::span<const risk::Proposal> proposals) override;
   void accept(std::size_t i) override;
   void copy(std::size_t from, std::size_t to) override;
@@ -83,6 +85,10 @@ class TrialParticles final : public risk::Particles {
 
 struct RiskRequest : Request {
   risk::SplittingOptions splitting;
+  /// Replicates are added, R at a time and at most to `most`, until the high end of each point's interval is at most
+  /// this factor times its low end; empty: R replicates.
+  std::optional<double> until;
+  std::size_t most = 100;
   std::optional<std::uint64_t> crude;  ///< crude trials of a family; empty: as many as splitting took
 };
 
@@ -91,6 +97,7 @@ struct RiskRow {
   std::string controller, label;
   std::string family;  ///< "all": joined by the families' weights
   risk::Estimate estimate;
+  std::size_t replicates = 0;
   std::size_t trials = 0;  ///< trials of the splitting
   double crude = 0.0;      ///< rate; for "all" weighted over the families
   stats::Interval crude_interval;
@@ -99,6 +106,7 @@ struct RiskRow {
   std::size_t died = 0;       ///< number of replicates that died out
   std::size_t tied = 0;       ///< most particles that died as ties of a level
   std::vector<std::pair<std::string, risk::Acceptance>> moves;
+  std::vector<risk::Exceedance> way;  ///< exceedances on the way to the event
   /// True if the spread over replicates rules out the interval.
   bool refused() const { return estimate.excess() > risk::kRefusedExcess; }
 };
@@ -113,9 +121,9 @@ struct Risk {
 /// Returns the cost in words: trials of the first draws, of a level, of some probabilities, and their time.
 std::string price_of_risk(const RiskRequest& request, const Suite& suite);
 
-/// Estimates the probability of `event` over the worlds and disturbances of the suite, for each of its points. The same
-/// rows result for any number of threads and stops. Throws RunError if worlds are not drawn by families,
-/// store::StoreError.
+/// Estimates the probability of `event` over the worlds and disturbances of the suite, for each of its points, and
+/// keeps the rows with the store's invocation. The same rows result for any number of threads and stops. Throws
+/// RunError if worlds are not drawn by families, store::StoreError.
 Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEvent& event,
                    const Listener& listener = {});
 

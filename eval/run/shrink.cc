@@ -124,7 +124,7 @@ class Shrinker {
       for (std::size_t k = 0; k < count; ++k) jobs.push_back({c, k, fmt::format("{} {}", c, k)});
     }
     BatchOptions batch;
-    batch.threads = request_.threads > 0 ? request_.threads : usual_threads();
+    batch.threads = threads_of(request_);
     batch.stop = request_.stop;
     batch.world = [&](const SuitePoint& point, std::uint64_t k) {
       auto world = std::make_shared<World>(candidates[static_cast<std::size_t>(&point - points.data())].world);

@@ -69,6 +69,10 @@ int usual_threads(bool cluster) {
   return cluster ? 1 : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+int threads_of(const Request& request) {
+  return request.threads > 0 ? request.threads : usual_threads(request.cluster != nullptr);
+}
+
 void drop_samples(SamplesKept kept, TrialOutput& output) {
   const bool keep =
       kept == SamplesKept::kAll || (kept == SamplesKept::kFailures && output.row.outcome != Outcome::kSuccess);

@@ -33,6 +33,8 @@ void tell_killed(const std::vector<std::string>& started, bool lock_left, const 
 
 /// Returns the number of cores, or one thread per rank of an mpirun: ranks are usually as many as cores.
 int usual_threads(bool cluster = false);
+/// Returns the number of threads that a request asks for.
+int threads_of(const Request& request);
 
 /// Drops the samples that a suite does not keep: all, none, or those of successes.
 void drop_samples(SamplesKept kept, TrialOutput& output);

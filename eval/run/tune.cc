@@ -42,7 +42,7 @@ class Tune {
         listener_(listener),
         file_(request.file.empty() ? usual_store(tuning.suites.front().name) : request.file),
         gains_(request.gains.empty() ? usual_gains(tuning) : request.gains),
-        threads_(request.threads > 0 ? request.threads : usual_threads()) {}
+        threads_(threads_of(request)) {}
 
   Tuned execute() {
     Tuned tuned;

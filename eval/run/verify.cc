@@ -306,7 +306,7 @@ class Verifier {
           fmt::format("trial.{}: {} trials have no value and come out with one: it was removed, or a moma stored "
                       "them that did not measure it",
                       column, n));
-    list.push_back("how long trials took, and what invocations say of themselves");
+    list.push_back("how long trials took, and what invocations say of themselves and of the risk that they estimated");
   }
 
   const VerifyRequest& request_;

@@ -88,10 +88,11 @@ bool has_our_views(SQLite::Database& db) {
 }  // namespace
 
 void shadow_views(SQLite::Database& db) {
-  // Without a column that the views show only the file's own can be read; they show none of searches.
+  // Without a column that the views show only the file's own can be read; they show none of searches and invocations.
   const std::vector<std::string> lacks = all_additions(db);
-  const bool shown = std::any_of(lacks.begin(), lacks.end(),
-                                 [](const std::string& sql) { return !sql.starts_with("ALTER TABLE tune_"); });
+  const bool shown = std::any_of(lacks.begin(), lacks.end(), [](const std::string& sql) {
+    return !sql.starts_with("ALTER TABLE tune_") && !sql.starts_with("ALTER TABLE invocation ");
+  });
   if (!shown && !has_our_views(db)) db.exec(temporary_views_sql());
 }
 

@@ -197,6 +197,7 @@ struct InvocationRow : Machine {
   std::string build_type, compiler, compiler_flags;
   int threads = 1;
   std::uint64_t trials_planned = 0, trials_present = 0, trials_done = 0;
+  std::optional<std::string> risk;
 };
 
 template <class Visitor>
@@ -224,6 +225,7 @@ constexpr void describe(Visitor& v, Of<InvocationRow>) {
   v.member("trials_planned", &T::trials_planned, Field{});
   v.member("trials_present", &T::trials_present, Field{.text = "found already stored"});
   v.member("trials_done", &T::trials_done, Field{});
+  v.member("risk", &T::risk, Field{.text = "estimates of moma risk, a list", .json = true});
 }
 
 }  // namespace moma::store

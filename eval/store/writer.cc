@@ -271,6 +271,11 @@ std::optional<TrialRow> Writer::find(const std::string& key) {
 
 SQLite::Database& Writer::database() { return impl_->db; }
 
+void Writer::keep_risk(const std::string& json) {
+  impl_->guarded(StoreError::Kind::kInterrupted,
+                 [&] { execute(impl_->db, "UPDATE invocation SET risk = ? WHERE id = ?", json, impl_->invocation); });
+}
+
 void Writer::flush() {
   impl_->guarded(StoreError::Kind::kInterrupted, [&] { impl_->flush(); });
 }

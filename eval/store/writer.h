@@ -73,6 +73,9 @@ class Writer {
   /// For other tables of the same store (eval/store/tuning.h); after begin().
   SQLite::Database& database();
 
+  /// Keeps the estimates of `moma risk` with this invocation.
+  void keep_risk(const std::string& json);
+
   /// Commits what is kept back.
   void flush();
 

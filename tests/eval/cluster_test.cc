@@ -63,6 +63,32 @@ TEST_F(ClusterRun, UntilAndShardsToo) {
   EXPECT_EQ(hash("ranks.db"), hash("part.db"));
 }
 
+/// Moved worlds are handed out, too; the machines of other ranks find no file of the suite.
+TEST_F(ClusterRun, RiskAndBreakToo) {
+  const std::vector<std::string> changes{"--set", "worlds.families={clutter: {objects: 3}}",
+                                         "--set", "disturbances={joints: {noise: 0.002}}",
+                                         "--set", "samples=all"};
+  for (const std::string what : {"risk", "break"}) {
+    std::vector<std::string> arguments{what,           "suite.yaml", "--event",  "clearance_min_m<0.1",
+                                       "--particles",  "10",         "--crude",  "30",
+                                       "--replicates", "2",          "--levels", "4"};
+    arguments.insert(arguments.end(), changes.begin(), changes.end());
+    const auto into = [&](const std::string& db) {
+      std::vector<std::string> all = arguments;
+      all.insert(all.end(), {"-o", db});
+      return all;
+    };
+    const ProcessResult one = good(into(what + "1.db"));
+    const ProcessResult two = run("2", into(what + "2.db"));
+    EXPECT_EQ(two.code, 0) << two.err;
+    EXPECT_EQ(two.out, one.out);
+    for (const std::string sql : {"SELECT risk FROM invocation", "SELECT * FROM trial ORDER BY key"})
+      EXPECT_TRUE(good({"query", what + "2.db", sql, "-f", "csv"}).out ==
+                  good({"query", what + "1.db", sql, "-f", "csv"}).out)
+          << what << ": " << sql;
+  }
+}
+
 TEST_F(ClusterRun, AKilledRanksWorkIsHandedOutAgain) {
   close_gate(0);
   open_gate();

@@ -14,6 +14,7 @@
 #include "eval/run/evaluate.h"
 #include "eval/run/risk.h"
 #include "eval/run/shrink.h"
+#include "eval/store/query.h"
 #include "eval/store/reader.h"
 #include "eval/store/writer.h"
 #include "eval/trial/trial.h"
@@ -171,6 +172,47 @@ TEST_F(Rare, RiskIsTheSameForAnyThreadsAndStops) {
   expect_same(whole, again);
   EXPECT_EQ(last.find("0 trials computed"), 0u) << last;
   EXPECT_TRUE(store::Reader(request.file).integrity_problems().empty());
+
+  // Kept with the invocation, for the page; that of the stopped one has none.
+  const store::QueryResult kept = store::query(request.file, "SELECT risk FROM invocation ORDER BY id");
+  ASSERT_EQ(kept.rows.size(), 3u);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(kept.rows[0][0]));
+  EXPECT_EQ(kept.rows[1][0], kept.rows[2][0]);
+  const auto rows = nlohmann::json::parse(std::get<std::string>(kept.rows[2][0]));
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0]["p"], whole.rows[0].estimate.p);
+  EXPECT_EQ(rows[2]["family"], "all");
+  EXPECT_EQ(rows[0]["at"], 0.025);
+  const auto& way = rows[0]["way"];
+  ASSERT_GE(way.size(), 2u);
+  EXPECT_GT(way.front()[0], way.back()[0]);  // nearer and nearer
+  EXPECT_GE(way.front()[1], way.back()[1]);
+  EXPECT_GE(way.back()[1], rows[0]["p"]);
+}
+
+TEST_F(Rare, UntilAddsReplicates) {
+  const Suite suite = this->suite();
+  const RareEvent event = RareEvent::read("clearance_min_m<0.025");
+  RiskRequest request = this->request(10, 6);
+  request.crude = 0;
+  const Risk six = estimate_risk(request, suite, event);
+  request.splitting.replicates = 2;
+  request.until = 1.01;
+  request.most = 7;
+  const Risk never = estimate_risk(request, suite, event);
+  ASSERT_EQ(never.rows.size(), 1u);
+  EXPECT_EQ(never.rows[0].replicates, 6u);
+  expect_same(six, never);
+  ASSERT_FALSE(never.warnings.empty());
+  EXPECT_NE(never.warnings[0].find("NOT within a factor of 1.01"), std::string::npos) << never.warnings[0];
+
+  request.until = 0.999 * never.rows[0].estimate.factor() + 0.01;
+  request.most = 100;
+  const Risk enough = estimate_risk(request, suite, event);
+  EXPECT_LE(enough.rows[0].estimate.factor(), *request.until);
+  EXPECT_EQ(enough.rows[0].replicates % 2, 0u);
+  EXPECT_TRUE(enough.warnings.empty()) << enough.warnings.front();
+  EXPECT_NE(price_of_risk(request, suite).find("at most 50 times that"), std::string::npos);
 }
 
 TEST_F(Rare, RiskNeedsWorldsThatAreDrawn) {

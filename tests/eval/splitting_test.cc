@@ -6,6 +6,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -44,9 +45,10 @@ class Gaussian : public Particles {
       : dimension_(dimension), score_(std::move(score)), seed_(seed) {}
 
   std::size_t kinds() const override { return 1; }
-  std::vector<double> draw(std::size_t count) override {
+  std::vector<double> draw(std::size_t first, std::size_t count) override {
     std::vector<double> scores;
-    for (std::size_t i = 0; i < count; ++i) {
+    points_.clear();
+    for (std::size_t i = first; i < first + count; ++i) {
       Normals normal(seed_ << 40 | i);
       Point point(dimension_);
       for (double& x : point) x = normal();
@@ -240,6 +242,43 @@ TEST(SplittingRun, IsAPureFunctionOfItsOptions) {
   EXPECT_EQ(of(a).p, of(b).p);
   EXPECT_EQ(a.last, b.last);
   EXPECT_NE(of(a).p, of(c).p);
+}
+
+TEST(SplittingRun, GoesOnWithFurtherReplicates) {
+  const Known known = half_space(2, 1e-3);
+  const Splitting whole = run(known, 6, 50);
+  Splitting parts = run(known, 4, 50);
+  SplittingOptions options;
+  options.particles = 50;
+  options.replicates = 2;
+  Gaussian points(known.dimension, known.score, 1);
+  parts.append(split(options, points, 4));
+  ASSERT_EQ(parts.replicates.size(), 6u);
+  for (std::size_t r = 0; r < 6; ++r) EXPECT_EQ(parts.replicates[r].estimate, whole.replicates[r].estimate) << r;
+  EXPECT_EQ(parts.first, whole.first);
+  EXPECT_EQ(parts.last, whole.last);
+  EXPECT_EQ(parts.evaluations, whole.evaluations);
+  EXPECT_EQ(parts.kinds.front().accepted, whole.kinds.front().accepted);
+}
+
+/// A sum of standard normals by its root: P(score > s) is the tail at s.
+TEST(SplittingRun, ExceedancesFollowTheTail) {
+  const Splitting s = run(half_space(10, 1e-6), 40, 150);
+  const Stratum all{1.0, &s};
+  const std::vector<Exceedance> curve = exceedances({&all, 1}, 30);
+  ASSERT_EQ(curve.size(), 30u);
+  EXPECT_LT(tail(curve.back().score), 1e-5);
+  int covered = 0;
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    const double p = tail(curve[i].score);
+    covered += curve[i].interval.low <= p && p <= curve[i].interval.high ? 1 : 0;
+    EXPECT_LT(std::abs(std::log(curve[i].p / p)), 0.7) << p;
+    if (p > 0.01) EXPECT_NEAR(curve[i].crude / p, 1.0, 0.3) << p;
+    if (i > 0) EXPECT_GT(curve[i].score, curve[i - 1].score);
+    if (i > 0) EXPECT_LE(curve[i].p, curve[i - 1].p);
+  }
+  EXPECT_GE(covered, 25);
+  EXPECT_NEAR(s.replicates.front().beyond(std::numeric_limits<double>::max()), s.replicates.front().estimate, 1e-18);
 }
 
 TEST(SplittingRun, ACommonEventIsCountedAndAnImpossibleOneIsNot) {

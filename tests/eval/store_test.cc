@@ -449,6 +449,7 @@ TEST(Store, ProvenanceIsComplete) {
   for (std::size_t c = 0; c < result.columns.size(); ++c) {
     const std::string& name = result.columns[c];
     if (name.rfind("git_", 0) == 0) continue;  // built from an archive
+    if (name == "risk") continue;              // found by moma risk alone
     const Cell& cell = result.rows[0][c];
     EXPECT_FALSE(std::holds_alternative<std::monostate>(cell)) << name;
     if (const auto* text = std::get_if<std::string>(&cell)) {

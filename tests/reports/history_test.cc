@@ -23,6 +23,21 @@ void change(const std::filesystem::path& db, const std::string& sql) {
   SQLite::Database(db.string(), SQLite::OPEN_READWRITE).exec(sql);
 }
 
+TEST(Invocations, BringTheirEstimatesOfRisk) {
+  const Folder folder;
+  make_store(folder / "a.db", "demo", 2);
+  const auto risk = [&] {
+    write_report(folder / "a.db", folder / "a.html");
+    return data_of(read_file(folder / "a.html")).at("invocations").at(0).at("risk");
+  };
+  EXPECT_EQ(risk(), Json(nullptr));
+  change(folder / "a.db", R"(UPDATE invocation SET risk = '[{"controller": "moma", "p": 5.3e-5}]')");
+  EXPECT_EQ(risk(), Json::parse(R"([{"controller": "moma", "p": 5.3e-5}])"));
+  // Of an earlier build.
+  change(folder / "a.db", "ALTER TABLE invocation DROP COLUMN risk");
+  EXPECT_EQ(risk(), Json(nullptr));
+}
+
 TEST(Changes, StoresOfOneSuiteStandSideBySide) {
   const Folder folder;
   for (const char* name : {"march.db", "june.db"}) make_store(folder / name, "demo", 4);

@@ -3,6 +3,7 @@
 import type { Model } from './data';
 import { figure } from './figure';
 import { kFigures } from './figures/all';
+import { risk } from './figures/risk';
 import { tuning } from './figures/tuning';
 import { player } from './replay/player';
 import { comparison } from './sections/comparison';
@@ -19,6 +20,7 @@ export function contents(model: Model): Record<string, () => Node[]> {
   const several = new Set(model.page.points.map((p) => [p.suite, p.controller, p.point].join('\n'))).size > 1;
   return {
     tuning: () => tuning(model),
+    risk: () => risk(model),
     results: () => [summary(model), ...drawn('results')],
     time: () => drawn('time'),
     difficulty: () => drawn('difficulty'),

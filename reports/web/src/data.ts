@@ -64,6 +64,20 @@ export interface Invocation {
   trials_planned: number; trials_present: number; trials_done: number; store?: string;
   /** Of one that is "running": whether its program still holds the store's lock. */
   writer?: 'at work' | 'gone' | 'unknown';
+  /** What moma risk found. */
+  risk: RiskEstimate[] | null;
+}
+
+/** The probability of an event for a point and a family of worlds, or "all". */
+export interface RiskEstimate {
+  controller: string; point: string; family: string; event: string;
+  /** Metric that says how near a trial came, and its value at the event; null: the event is no value of it. */
+  level: string; at: number | null;
+  p: number; low: number; high: number; refused: boolean; replicates: number; trials: number;
+  crude: number; crude_low: number; crude_high: number; crude_trials: number;
+  excess: number; died: number; ancestors: number; tied: number;
+  /** Of the level, nearer and nearer: value, probability to come as near, its interval, share among the first draws. */
+  way: [value: number, p: number, low: number, high: number, crude: number][];
 }
 
 /** A version of a controller, and what in it differs from the one before; null: not set. */

@@ -17,7 +17,7 @@ function fileName(text: string): string {
 async function main(file: string, folder: string): Promise<void> {
   const model = new Model(JSON.parse(readFileSync(file, 'utf8')) as PageData);
   startView(model);
-  const tuned = new Set(kFigures.tuning(model).map((spec) => spec.id));
+  const tuned = new Set([...kFigures.tuning(model), ...kFigures.risk(model)].map((spec) => spec.id));
   for (const [place, slice] of model.slices.entries()) {
     showSlice(slice.id);
     const prefix = model.slices.length > 1 ? `${place + 1}-${fileName(slice.id)}-` : '';

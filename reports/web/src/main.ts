@@ -24,16 +24,18 @@ function start(app: HTMLElement, page: PageData): void {
   const model = new Model(page);
   startView(model);
   const live = liveLine(model);
-  if (model.trials.n === 0) {
+  const rare = page.invocations.some((i) => i.risk !== null);
+  if (model.trials.n === 0 && !rare) {
     replace(app, masthead(model, live), h('main', null, section('provenance', 'Provenance', provenance(model))));
     return;
   }
   const sections: [id: string, title: string][] = [
+    ...(rare ? [['risk', 'Rare events'] as [string, string]] : []),
     ...(page.tuning.length > 0 ? [['tuning', 'Tuning'] as [string, string]] : []),   // what the search was made for
     ['results', 'Results'], ['time', 'Time'], ['difficulty', 'Difficulty'],
     ...(isSwept(model) ? [['sweep', 'Sweep'] as [string, string]] : []),
     ['quality', 'Quality'], ['pairs', 'Pairs'], ['failures', 'Failures'], ['replay', 'Replay'], ['timing', 'Timing'], ['trials', 'Trials'], ['provenance', 'Provenance'],
-  ];
+  ].filter(([id = '']) => model.trials.n > 0 || id === 'risk' || id === 'provenance') as [string, string][];
   const bar = toolbar(model, sections);
   const skip = h('a', { class: 'skip', href: '#results', click: (event) => {
     event.preventDefault();

@@ -247,6 +247,25 @@ check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', '
   check(made({ simulates: true }, 0).clickPlays() === 'A click plays the trial.' && made(undefined, 8).clickPlays() === 'A click plays the trial.', 'where all can be played');
 }
 
+// ---- the probability of a rare event, and the way there ----------------------------------------------------------------
+{
+  const { riskFigures, kPalettes: palettes } = await load('figures/risk', 'theme');
+  const found = (family, p, more = {}) => ({
+    controller: 'moma', point: '', family, event: 'collision', level: 'clearance_min_m', at: 0, p, low: p / 2, high: 2 * p, refused: false, replicates: 10, trials: 40000,
+    crude: 0, crude_low: 0, crude_high: 1e-4, crude_trials: 1000, excess: 1.3, died: 0, ancestors: 4, tied: 0, way: [[0.05, 0.5, 0.4, 0.6, 0.49], [0.01, 1e-3, 5e-4, 2e-3, 0]], ...more,
+  });
+  const figures = (...runs) => riskFigures({ page: { invocations: runs.map((risk) => ({ suite: 's', risk })) } });
+  const [figure, ...rest] = figures(null, [found('clutter', 1e-5), found('moving', 2e-4), found('all', 1e-4)], [found('clutter', 3e-5)]);
+  check(rest.length === 0 && /collision in s/.test(figure.title), `one figure for one event: ${figure.title}`);
+  const drawing = figure.draw(palettes[0], 900);
+  const events = drawing.rows.filter((row) => row[4] === 0);
+  check(JSON.stringify(events.map((row) => [row[2], row[5], row[6], row[7]])) === '[["clutter",0.00001,0.000005,0.00002],["moving",0.0002,0.0001,0.0004]]', `the last run counts, and each curve ends at its event: ${JSON.stringify(events)}`);
+  check(drawing.rows.length === 6, 'a row for each point of the families, none for their mixture');
+  check(drawing.option.yAxis.min === -6 && drawing.option.yAxis.max === 0, `the axis spans the intervals: ${drawing.option.yAxis.min}`);
+  check(figures([found('clutter', 0, { way: [] })])[0].draw(palettes[0], 900) === null, 'nothing came near');
+  check(figures([found('clutter', 1e-5)], [found('clutter', 1e-5, { event: 'timeout', at: null, level: 'time_end_s' })]).length === 2, 'a figure for each event');
+}
+
 // ---- what a controller that looks ahead was about -------------------------------------------------------------------
 {
   const { looksAhead, planSentence, pathAhead, detourTarget, Trace, describeSamples } = await load('replay/plan', 'replay/trace', 'data');

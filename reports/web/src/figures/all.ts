@@ -10,6 +10,7 @@ import { forest } from './forest';
 import { outcomes } from './outcomes';
 import { paired } from './paired';
 import { pareto } from './pareto';
+import { riskFigures } from './risk';
 import { scatter } from './scatter';
 import { sweep } from './sweep';
 import { isSwept } from './swept';
@@ -22,6 +23,7 @@ export const kFigures = {
   difficulty: () => [difficulty()],
   sweep: (model: Model) => (isSwept(model) ? [...sweep(), pareto()] : []),
   tuning: tuningFigures,
+  risk: riskFigures,
   quality: (model: Model) => [
     distribution('manipulability', 'manip_mean'),
     distribution('metric', 'command_change_mean'),

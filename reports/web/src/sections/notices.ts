@@ -22,7 +22,7 @@ export function notices(model: Model, suites: readonly string[]): string[] {
   const { slice } = view();
   const out: string[] = [];
   if (page.points.length === 0 || trials.n === 0) {
-    out.push('This store holds no trials yet: nothing has been evaluated, or the run has only begun.');
+    if (page.invocations.every((i) => i.risk === null)) out.push('This store holds no trials yet: nothing has been evaluated, or the run has only begun.');
     return out;
   }
   const { n, stored: all, worlds } = page.trials;
