@@ -7,8 +7,11 @@
 #include <map>
 #include <tuple>
 
+#include "eval/run/evaluate.h"
 #include "eval/run/risk.h"
+#include "eval/suite/controller_entry.h"
 #include "world/draws.h"
+#include "world/world_json.h"
 
 namespace moma::run {
 namespace {
@@ -79,6 +82,19 @@ struct Breaker {
   }
 };
 
+/// The suite in the found worlds, as NAME-found.
+Suite found_suite(const Suite& suite, const std::vector<Failure>& failures) {
+  nlohmann::ordered_json resolved = suite.resolved;
+  resolved["name"] = suite.name + "-found";
+  resolved["trials"] = failures.size();
+  resolved["samples"] = "failures";
+  resolved["worlds"] = {{"frozen", nlohmann::ordered_json::array()}};
+  for (const Failure& failure : failures) resolved["worlds"]["frozen"].push_back(to_json(failure.world));
+  if (resolved.contains("points"))
+    for (auto& point : resolved["points"]) point.erase("worlds");
+  return suite_from_resolved(resolved, Plugins::kOfStore);  // the suite has loaded its plugins
+}
+
 }  // namespace
 
 Broken break_suite(const BreakRequest& request, const Suite& suite, const RareEvent& event, const Listener& listener) {
@@ -91,6 +107,16 @@ Broken break_suite(const BreakRequest& request, const Suite& suite, const RareEv
     out.trials = trials.counts().computed + trials.counts().reused;
   };
   out.end = with_moved_trials(request, suite, listener, work, out.stopped);
+  const bool one_robot = std::all_of(suite.points.begin(), suite.points.end(), [&](const SuitePoint& point) {
+    return point.robot == suite.points.front().robot;
+  });
+  if (out.end != End::kFinished || out.failures.empty() || request.file.empty() || !one_robot) return out;
+  EvaluateRequest held;
+  static_cast<Request&>(held) = request;
+  held.cluster = nullptr;  // its ranks know the suite in other worlds
+  Evaluation evaluation = evaluate(held, found_suite(suite, out.failures), listener);
+  out.end = evaluation.end;
+  out.stopped = std::move(evaluation.stopped);
   return out;
 }
 

@@ -37,8 +37,10 @@ struct Broken {
 };
 
 /// Searches for failures of each point of the suite: in crude trials, with other noise in the nearest worlds, and by
-/// splitting (eval/risk/splitting.h), whose last generation samples the worlds given the event. The same failures come
-/// out for any number of threads and stops. Throws RunError if worlds are not drawn by families, store::StoreError.
+/// splitting (eval/risk/splitting.h), whose last generation samples the worlds given the event. The store gets the
+/// trials of all points in the found worlds as suite NAME-found with their motions, if all points have one robot. The
+/// same failures come out for any number of threads and stops. Throws RunError if worlds are not drawn by families,
+/// store::StoreError.
 Broken break_suite(const BreakRequest& request, const Suite& suite, const RareEvent& event,
                    const Listener& listener = {});
 

@@ -264,10 +264,24 @@ TEST_F(Rare, BreakFindsWorldsThatFailAgain) {
     EXPECT_EQ(row.clearance_min_m, broken.failures[i].row.clearance_min_m);
   }
   request.threads = 1;
+  request.file = path("break.db");
   const Broken again = break_suite(request, suite, event);
   ASSERT_EQ(again.failures.size(), broken.failures.size());
   EXPECT_EQ(to_json(again.failures.back().world).dump(), to_json(broken.failures.back().world).dump());
   EXPECT_THROW(break_suite(request, held, event), RunError);
+
+  // The store has the same failures as a suite of their own, with motions to play.
+  const store::QueryResult found = store::query(path("break.db"),
+                                                "SELECT t.clearance_min_m, x.key IS NOT NULL FROM point_trial AS m "
+                                                "JOIN trial AS t USING (key) LEFT JOIN samples AS x "
+                                                "USING (key) WHERE m.point_id IN (SELECT p.id FROM point AS p JOIN "
+                                                "suite AS s ON s.id = p.suite_id WHERE s.name = "
+                                                "'rare-found') ORDER BY m.world_index");
+  ASSERT_EQ(found.rows.size(), again.failures.size());
+  for (std::size_t i = 0; i < found.rows.size(); ++i) {
+    EXPECT_EQ(std::get<double>(found.rows[i][0]), again.failures[i].row.clearance_min_m);
+    EXPECT_EQ(std::get<std::int64_t>(found.rows[i][1]), again.failures[i].row.outcome == Outcome::kSuccess ? 0 : 1);
+  }
 }
 
 /// Trials of a controller that sees no objects, some of which drive into one.
