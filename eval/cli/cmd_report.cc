@@ -181,7 +181,7 @@ void Page::complete() {
 
 void Page::write_to(const std::filesystem::path& html) {
   complete();
-  write_report(stores, html, report);
+  reports::write_report(stores, html, report);
   tell_written(html);
 }
 
@@ -204,11 +204,11 @@ int write_files(ReportFiles& options) {
   if (html.empty() && options.table.empty() && options.figures.empty()) html = options.usual_file();
   if (!html.empty()) files::check_replace(html, reports::page_kind(), replace);  // before a table is written
   if (!options.table.empty()) {
-    write_table(options.stores, options.table, replace);
+    reports::write_table(options.stores, options.table, replace);
     tell_written(options.table);
   }
   if (!options.figures.empty())
-    for (const auto& file : write_figures(options.stores, options.figures, replace)) tell_written(file);
+    for (const auto& file : reports::write_figures(options.stores, options.figures, replace)) tell_written(file);
   if (!html.empty()) options.write_to(html);
   return kOk;
 }

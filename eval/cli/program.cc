@@ -147,7 +147,7 @@ int run_program(const Arguments& arguments) {
     return complain("out of memory", kBadInput);
   } catch (const std::exception& error) {
     if (is_any<UsageError, run::RunError, config::ConfigError, store::QueryError, GenerationError, files::OutputError,
-               ReportError, std::system_error>(error))
+               reports::ReportError, std::system_error>(error))
       return complain(error.what(), kBadInput);
     return complain(fmt::format("internal error: {}", error.what()), kInternalError);
   }

@@ -36,14 +36,14 @@ class Controller {
   }
 
   /// The numbers of a StepResult.
-  Array step(const Values& values) {
+  VectorX step(const Eigen::Ref<const VectorX>& values) {
     read(values);
     core_.step(seen_, result_);
     return packed(result_);
   }
 
   /// The step that would come next, shown; the controller does not go on.
-  ControlCase next(const Values& values) {
+  ControlCase next(const Eigen::Ref<const VectorX>& values) {
     read(values);
     ControlCase out;
     out.robot = robot_;
@@ -58,14 +58,13 @@ class Controller {
 
   std::string parameters() const { return config::to_json(core_.params()).dump(); }
   const std::vector<std::string>& warnings() const { return warnings_; }
-  double control_period() const { return core_.control_period(); }
   /// The numbers of what the last step acted on.
-  Array predicted() const { return packed(core_.predicted() != nullptr ? *core_.predicted() : seen_); }
+  VectorX predicted() const { return packed(core_.predicted() != nullptr ? *core_.predicted() : seen_); }
   std::size_t num_objects() const { return objects_.size(); }
 
  private:
-  void read(const Values& values) {
-    check_size(values.size(), count_numbers(seen_), "observation");
+  void read(const Eigen::Ref<const VectorX>& values) {
+    check_size(values.size(), static_cast<Eigen::Index>(count_numbers(seen_)), "observation");
     unpack(values.data(), seen_);
   }
 
@@ -92,11 +91,12 @@ void bind_controller(nb::module_& module) {
                   })
       .def("reset", &Controller::reset)
       .def("step", &Controller::step)
-      .def("solve", [](Controller& self, const Values& values) { return layout(moma::solve(self.next(values))); })
-      .def("explain", [](Controller& self, const Values& values) { return moma::explain(self.next(values)); })
+      .def("solve", [](Controller& self,
+                       const Eigen::Ref<const VectorX>& values) { return layout(moma::solve(self.next(values))); })
+      .def("explain",
+           [](Controller& self, const Eigen::Ref<const VectorX>& values) { return moma::explain(self.next(values)); })
       .def_prop_ro("parameters", &Controller::parameters)
       .def_prop_ro("warnings", &Controller::warnings)
-      .def_prop_ro("control_period", &Controller::control_period)
       .def("predicted", &Controller::predicted)
       .def_prop_ro("num_objects", &Controller::num_objects);
   module.def("layouts", [](int joints, int velocities) {

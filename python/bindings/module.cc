@@ -1,24 +1,13 @@
 #include <nanobind/nanobind.h>
 
-#include <functional>
-#include <numeric>
 #include <stdexcept>
-#include <vector>
 
 #include "controller/config/json_node.h"
 #include "python/bindings/bindings.h"
 
 namespace moma::python {
 
-Array make_array(std::initializer_list<std::size_t> shape, double*& data) {
-  const std::vector<std::size_t> sizes(shape);
-  const std::size_t total = std::accumulate(sizes.begin(), sizes.end(), std::size_t{1}, std::multiplies<>());
-  data = new double[total];
-  const nb::capsule owner(data, [](void* numbers) noexcept { delete[] static_cast<double*>(numbers); });
-  return Array(data, sizes.size(), sizes.data(), owner);
-}
-
-void check_size(std::size_t found, std::size_t wanted, const char* what) {
+void check_size(Eigen::Index found, Eigen::Index wanted, const char* what) {
   if (found == wanted) return;
   throw std::invalid_argument(std::string(what) + ": found " + std::to_string(found) + " numbers, expected " +
                               std::to_string(wanted));

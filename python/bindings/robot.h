@@ -1,7 +1,7 @@
 #pragma once
 
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "controller/config/robot_file.h"
 #include "controller/model/proximity.h"
@@ -17,23 +17,22 @@ class Robot {
   const config::LoadedRobot& loaded() const noexcept { return loaded_; }
   const RobotModel& model() const noexcept { return *loaded_.model; }
 
-  Array fk(const Rows& base, const Rows& q, const std::string& link) const;     ///< (N, 4, 4); of E without a name
-  Array jacobian(const Rows& base, const Rows& q) const;                        ///< (N, 6, velocities)
-  Array manipulability(const Rows& q, const std::string& rows) const;           ///< (N,)
-  Array manipulability_gradient(const Rows& q, const std::string& rows) const;  ///< (N, joints)
-  nb::tuple integrate(const Rows& base, const Rows& q, const Rows& velocity, double seconds) const;  ///< base, q
-  /// (N,), to the nearest object; infinite without objects.
-  Array clearance(const Rows& base, const Rows& q, const std::string& objects) const;
+  // Each gives a row for each configuration.
+  Matrix fk(const Rows& base, const Rows& q, const std::string& link) const;     ///< 4 x 4; of E without a name
+  Matrix jacobian(const Rows& base, const Rows& q) const;                        ///< 6 x velocities
+  VectorX manipulability(const Rows& q, const std::string& rows) const;          ///< one number
+  Matrix manipulability_gradient(const Rows& q, const std::string& rows) const;  ///< joints
+  std::pair<Matrix, Matrix> integrate(const Rows& base, const Rows& q, const Rows& velocity, double seconds) const;
+  /// To the nearest object; infinite without objects.
+  VectorX clearance(const Rows& base, const Rows& q, const std::string& objects) const;
   /// `objects`: a JSON list of objects as in a case file. A list of (kind, first, second, d, n_W, p_first_W,
   /// p_second_W).
-  nb::list distances(const Values& base, const Values& q, const std::string& objects, double object_range,
-                     double floor_range, double self_range) const;
+  nb::list distances(const Vector3& base, const VectorX& q, const std::string& objects,
+                     const ProximityRanges& ranges) const;
 
  private:
   template <class Body>
   void each(const Rows& base, const Rows& q, Body body) const;
-  template <class Body>
-  void each(const Rows& q, Body body) const;
 
   config::LoadedRobot loaded_;
 };

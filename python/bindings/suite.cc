@@ -33,10 +33,8 @@ void bind_suite(nb::module_& module) {
   nb::class_<Suite>(module, "Suite")
       .def_static("load", [](const std::string& file,
                              const Overrides& changes) { return new Suite(moma::load_suite(file, changes)); })
-      .def_prop_ro("name", [](const Suite& suite) { return suite.get().name; })
       .def_prop_ro("trials", [](const Suite& suite) { return suite.get().trials; })
       .def_prop_ro("resolved", [](const Suite& suite) { return suite.get().resolved.dump(); })
-      .def_prop_ro("warnings", [](const Suite& suite) { return suite.get().warnings; })
       .def_prop_ro("points",
                    [](const Suite& suite) {
                      std::vector<std::pair<std::string, std::string>> names;

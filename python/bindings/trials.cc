@@ -28,26 +28,14 @@ namespace moma::python {
 namespace {
 
 using nlohmann::ordered_json;
-using Numbers = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Indices = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+/// Written to in place.
+using Numbers = Eigen::Ref<Matrix>;
+using Indices = Eigen::Ref<const Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>>;
 
-constexpr std::size_t kDetails = fixed_numbers<Details>();
+constexpr auto kDetails = static_cast<Eigen::Index>(fixed_numbers<Details>());
 constexpr std::size_t kFrame = fixed_numbers<GoalState>();  // a pose and its twist, with which an ObjectState begins
 constexpr std::size_t kSlot = kFrame + 4;                   // of an object: the same, edges 3, visible
-constexpr std::size_t kSignals = 6;  // outcome or -1, time, errors of position and rotation, manipulability, clearance
-
-/// Writes numbers one after the other.
-class NumberWriter {
- public:
-  explicit NumberWriter(double* to) : to_(to) {}
-  void number(double value) noexcept { *to_++ = value; }
-  void vector(const Eigen::Ref<const VectorX>& values) noexcept { to_ = std::copy(values.begin(), values.end(), to_); }
-  void numbers(std::span<const double> values) noexcept { to_ = std::copy(values.begin(), values.end(), to_); }
-  void zeros(std::size_t count) noexcept { to_ = std::fill_n(to_, count, 0.0); }
-
- private:
-  double* to_;
-};
+constexpr Eigen::Index kSignals = 6;  // outcome or -1, time, errors of position and rotation, manipulability, clearance
 
 /// Edges of the box around a shape, along its own axes.
 Vector3 edges(const Shape& shape) {
@@ -99,49 +87,51 @@ class Trials {
   Trials(const Trials&) = delete;
   Trials& operator=(const Trials&) = delete;
 
-  std::size_t joints() const { return static_cast<std::size_t>(spec_->robot->model->num_joints()); }
-  std::size_t velocities() const { return static_cast<std::size_t>(spec_->robot->model->num_velocities()); }
-  std::size_t width() const { return fixed_numbers<Observation>() + joints() + velocities() + 6 + slots_ * kSlot; }
+  Eigen::Index joints() const { return spec_->robot->model->num_joints(); }
+  Eigen::Index velocities() const { return spec_->robot->model->num_velocities(); }
+  Eigen::Index width() const {
+    return static_cast<Eigen::Index>(fixed_numbers<Observation>() + 6 + slots_ * kSlot) + joints() + velocities();
+  }
   Robot robot() const { return Robot(*spec_->robot); }
   const TrialSpec& spec() const { return *spec_; }
 
   /// Of trials first to last - 1: those with a world's number begin in it, the others answer with their row of
   /// `actions` (velocities, or the numbers of a command with details). Rows of all are written.
-  void step(std::size_t first, std::size_t last, const Rows& actions, const Indices& worlds, const Numbers& seen,
-            const Numbers& signals) {
-    check_size(actions.shape(0), trials_.size(), "actions");
-    check_size(worlds.shape(0), trials_.size(), "worlds");
-    check_size(seen.shape(0) * seen.shape(1), trials_.size() * width(), "seen");
-    check_size(signals.shape(0) * signals.shape(1), trials_.size() * kSignals, "signals");
+  void step(std::size_t first, std::size_t last, const Rows& actions, const Indices& worlds, Numbers seen,
+            Numbers signals) {
+    const auto count = static_cast<Eigen::Index>(trials_.size());
+    check_size(actions.rows(), count, "actions");
+    check_size(worlds.size(), count, "worlds");
+    check_size(seen.size(), count * width(), "seen");
+    check_size(signals.size(), count * kSignals, "signals");
     if (last > trials_.size() || first > last) throw std::invalid_argument("there are no such trials");
-    const std::size_t columns = actions.shape(1);
-    if (columns != velocities() && columns != velocities() + kDetails) check_size(columns, velocities(), "action");
+    if (actions.cols() != velocities() + kDetails) check_size(actions.cols(), velocities(), "action");
     const nb::gil_scoped_release release;
     for (std::size_t i = first; i < last; ++i) {
-      if (worlds.data()[i] >= 0) {
-        begin(i, make_world(worlds_, static_cast<std::uint64_t>(worlds.data()[i])));
+      const auto row = static_cast<Eigen::Index>(i);
+      if (worlds[row] >= 0) {
+        begin(i, make_world(worlds_, static_cast<std::uint64_t>(worlds[row])));
       } else {
-        answer(i, std::span(actions.data() + i * columns, columns));
+        answer(i, actions.row(row).transpose());
       }
-      write(i, seen.data() + i * width(), signals.data() + i * kSignals);
+      write(i, seen.row(row).data(), signals.row(row).data());
     }
   }
 
   void begin_in(std::size_t i, const std::string& world) {
     World given = world_from_json(config::parse_json(world, "world"), "world");
-    if (static_cast<std::size_t>(given.start.q.size()) != joints())
-      check_size(static_cast<std::size_t>(given.start.q.size()), joints(), "world: start.q");
+    check_size(given.start.q.size(), joints(), "world: start.q");
     begin(i, std::move(given));
   }
 
-  void look(std::size_t i, const Numbers& seen, const Numbers& signals) {
-    check_size(seen.shape(1), width(), "seen");
-    check_size(signals.shape(1), kSignals, "signals");
+  void look(std::size_t i, Numbers seen, Numbers signals) {
+    check_size(seen.cols(), width(), "seen");
+    check_size(signals.cols(), kSignals, "signals");
     write(i, seen.data(), signals.data());
   }
 
   /// What a controller in a process of its own is sent at a step.
-  Array numbers(std::size_t i) { return packed(observation(i)); }
+  VectorX numbers(std::size_t i) { return packed(observation(i)); }
 
   /// And at a reset, as JSON.
   std::string objects(std::size_t i) { return config::objects_to_json(told(i)).dump(); }
@@ -197,11 +187,10 @@ class Trials {
     slot.answer = StepResult();
   }
 
-  void answer(std::size_t i, std::span<const double> numbers) {
+  void answer(std::size_t i, const Eigen::Ref<const VectorX>& numbers) {
     StepResult& answer = trials_[i].answer;
-    const std::size_t n = velocities();
-    answer.command = Eigen::Map<const VectorX>(numbers.data(), static_cast<Eigen::Index>(n));
-    if (numbers.size() > n) unpack_part<Details>(numbers.data() + n, answer);
+    answer.command = numbers.head(velocities());
+    if (numbers.size() > velocities()) unpack_part<Details>(numbers.data() + velocities(), answer);
     trial(i).step(answer);
   }
 
@@ -209,37 +198,32 @@ class Trials {
     const SteppedTrial& stepped = trial(i);
     Slot& slot = trials_[i];
     const Observation& now = observation(i);
-    NumberWriter to(seen);
-    if (static_cast<std::size_t>(now.q.size()) != joints()) {  // of a trial that ended by an exception at its start
-      to.zeros(width());
-    } else {
-      to = NumberWriter(pack_without_items(now, seen));
+    std::fill_n(seen, width(), 0.0);
+    if (now.q.size() == joints()) {  // a trial that ended by an exception at its start has none
+      Eigen::Map<Vector6> error(pack_without_items(now, seen));
       slot.kinematics->update(now.base, now.q);
       const Isometry& X_WE = slot.kinematics->X_WE();
-      to.vector(log_so3(now.goal.X_WG.linear() * X_WE.linear().transpose()));
-      to.vector(now.goal.X_WG.translation() - X_WE.translation());
-      for (std::size_t o = 0; o < slots_; ++o) {
-        const bool visible = o < now.objects.size() && now.objects[o].visible;
-        if (!visible) {
-          to.zeros(kSlot);
-          continue;
-        }
+      error << log_so3(now.goal.X_WG.linear() * X_WE.linear().transpose()),
+          now.goal.X_WG.translation() - X_WE.translation();
+      for (std::size_t o = 0; o < std::min(slots_, now.objects.size()); ++o) {
+        if (!now.objects[o].visible) continue;
+        double* const to = error.data() + 6 + o * kSlot;
         double object[fixed_numbers<ObjectState>()];
         pack(now.objects[o], object);
-        to.numbers(std::span(object).first(kFrame));
-        to.vector(slot.edges[o]);
-        to.number(1.0);
+        std::copy_n(object, kFrame, to);
+        Eigen::Map<Vector3>(to + kFrame) = slot.edges[o];
+        to[kFrame + 3] = 1.0;
       }
     }
     const StateRecord* state = stepped.state();
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    NumberWriter out(signals);
-    out.number(stepped.ended() ? static_cast<double>(stepped.outcome()) : -1.0);
-    out.number(now.time);
-    out.number(state != nullptr ? state->position_error : nan);
-    out.number(state != nullptr ? state->orientation_error : nan);
-    out.number(state != nullptr ? state->manipulability : nan);
-    out.number(stepped.clearance());
+    const double values[kSignals] = {stepped.ended() ? static_cast<double>(stepped.outcome()) : -1.0,
+                                     now.time,
+                                     state != nullptr ? state->position_error : nan,
+                                     state != nullptr ? state->orientation_error : nan,
+                                     state != nullptr ? state->manipulability : nan,
+                                     stepped.clearance()};
+    std::copy_n(values, kSignals, signals);
   }
 
   SuitePoint worlds_;
@@ -257,7 +241,6 @@ void bind_trials(nb::module_& module) {
       .def_prop_ro("robot", &Trials::robot)
       .def_prop_ro("width", &Trials::width)
       .def_prop_ro("control_period", [](const Trials& trials) { return trials.spec().simulation.control_period; })
-      .def_prop_ro("time_limit", [](const Trials& trials) { return trials.spec().simulation.time_limit; })
       .def("step", &Trials::step)
       .def("begin", &Trials::begin_in)
       .def("look", &Trials::look)

@@ -363,14 +363,6 @@ def _registered(robot: str, family: str) -> dict[str, Any]:
     }
 
 
-def make(robot: str, family: str, **more: Any) -> Env:
-    return Env(_registered(robot, family), **more)
-
-
-def make_vector(robot: str, family: str, num_envs: int = 1, **more: Any) -> VectorEnv:
-    return VectorEnv(_registered(robot, family), num_envs, **more)
-
-
 def register_envs() -> None:
     """moma/frankie-open-v0, moma/frankie-clutter-v0, moma/panda-open-v0 and moma/panda-clutter-v0, for gymnasium.make() and
     make_vec(). Kinematic, 20 s, ten objects in clutter; changes={...} as for Env."""
@@ -381,7 +373,7 @@ def register_envs() -> None:
                 continue
             gymnasium.register(
                 name,
-                entry_point="moma.env:make",
-                vector_entry_point="moma.env:make_vector",
-                kwargs={"robot": robot, "family": family, "objects": 10 if family == "clutter" else 0},
+                entry_point="moma.env:Env",
+                vector_entry_point="moma.env:VectorEnv",
+                kwargs={"suite": _registered(robot, family), "objects": 10 if family == "clutter" else 0},
             )

@@ -66,13 +66,13 @@ class Robot:
     def fk(self, q: ArrayLike, base: ArrayLike | None = None, link: str | None = None) -> Floats:
         """Pose (4 x 4) of E in W, or of a link."""
         rows, bases, single = self._configurations(q, base)
-        poses = self._core.fk(bases, rows, link or "")
+        poses = self._core.fk(bases, rows, link or "").reshape(-1, 4, 4)
         return poses[0] if single else poses
 
     def jacobian(self, q: ArrayLike, base: ArrayLike | None = None) -> Floats:
         """J_WE_W (6 x velocities): [angular; linear] at E in world axes, columns in the order of `velocities`."""
         rows, bases, single = self._configurations(q, base)
-        jacobians = self._core.jacobian(bases, rows)
+        jacobians = self._core.jacobian(bases, rows).reshape(len(rows), 6, -1)
         return jacobians[0] if single else jacobians
 
     def manipulability(self, q: ArrayLike, rows: str = "translation") -> Floats | float:

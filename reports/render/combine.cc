@@ -78,74 +78,41 @@ std::vector<Names> new_names(const std::vector<Json>& pages, const Texts& labels
   return names;
 }
 
-/// The cells of a column of trials, whatever their form.
-Json cells(const Json& column, std::size_t n) {
-  if (column.is_array()) return column;
-  Json out = Json::array();
-  for (std::size_t row = 0; row < n; ++row) {
-    const int code = column.at("codes").at(row).get<int>();
-    out.push_back(code < 0 ? Json(nullptr) : column.at("values").at(static_cast<std::size_t>(code)));
-  }
-  return out;
+/// The cell of a column of trials, whatever its form.
+Json cell_of(const Json& column, std::size_t row) {
+  if (column.is_array()) return column.at(row);
+  const int code = column.at("codes").at(row).get<int>();
+  return code < 0 ? Json(nullptr) : column.at("values").at(static_cast<std::size_t>(code));
 }
 
-/// A column of texts as page_data() writes it.
-Json coded(const Json& all) {
-  Json values = Json::array();
-  Json codes = Json::array();
-  std::map<std::string, int> known;
-  for (const Json& cell : all) {
-    if (cell.is_null()) {
-      codes.push_back(-1);
-      continue;
-    }
-    const auto [place, added] = known.try_emplace(cell.get<std::string>(), static_cast<int>(known.size()));
-    if (added) values.push_back(place->first);
-    codes.push_back(place->second);
-  }
-  return {{"values", std::move(values)}, {"codes", std::move(codes)}};
-}
-
-void rename_trials(Json& columns, std::size_t n, const Names& names) {
-  Json suites = cells(columns.at("suite"), n);
-  Json controllers = cells(columns.at("controller"), n);
-  for (std::size_t row = 0; row < n; ++row) {
-    const std::string was = suites[row];
-    controllers[row] = names.controller_of(was, controllers[row]);
-    suites[row] = names.suite_of(was);
-  }
-  columns["suite"] = std::move(suites);
-  columns["controller"] = std::move(controllers);
-  columns["store"] = Json(n, names.label);
-}
-
-Json joined_trials(std::vector<Json>& pages, const std::vector<Names>& names) {
-  std::set<std::string> columns;
-  long long total = 0;
+Json joined_trials(const std::vector<Json>& pages, const std::vector<Names>& names) {
+  std::map<std::string, TrialColumn> columns;
+  columns["store"];
+  std::size_t total = 0;
   std::int64_t stored = 0;
   std::int64_t worlds = 0;
-  for (std::size_t i = 0; i < pages.size(); ++i) {
-    Json& trials = pages[i].at("trials");
-    const auto n = trials.at("n").get<std::size_t>();
-    if (n > 0) rename_trials(trials.at("columns"), n, names[i]);
-    for (const auto& [name, column] : trials.at("columns").items()) columns.insert(name);
-    total += static_cast<long long>(n);
+  for (const Json& page : pages) {
+    const Json& trials = page.at("trials");
+    for (const auto& [name, column] : trials.at("columns").items()) columns[name];
+    total += trials.at("n").get<std::size_t>();
     stored += trials.at("stored").get<std::int64_t>();
     worlds = std::max(worlds, trials.at("worlds").get<std::int64_t>());
   }
-  Json joined = Json::object();
-  for (const std::string& name : columns) {
-    Json all = Json::array();
-    bool is_text = name == "suite" || name == "controller" || name == "store";
-    for (const Json& page : pages) {
-      const auto n = page.at("trials").at("n").get<std::size_t>();
-      const Json& own = page.at("trials").at("columns");
-      is_text = is_text || (own.contains(name) && own.at(name).is_object());
-      const Json part = own.contains(name) ? cells(own.at(name), n) : Json(n, nullptr);
-      all.insert(all.end(), part.begin(), part.end());
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    const auto n = pages[i].at("trials").at("n").get<std::size_t>();
+    const Json& own = pages[i].at("trials").at("columns");
+    for (auto& [name, column] : columns) {
+      for (std::size_t row = 0; row < n; ++row) {
+        Json cell = own.contains(name) ? cell_of(own.at(name), row) : nullptr;
+        if (name == "controller") cell = names[i].controller_of(cell_of(own.at("suite"), row), cell);
+        if (name == "suite") cell = names[i].suite_of(cell);
+        if (name == "store") cell = names[i].label;
+        column.add(std::move(cell), name == "store" || (own.contains(name) && own.at(name).is_object()));
+      }
     }
-    joined[name] = is_text ? coded(all) : std::move(all);
   }
+  Json joined = Json::object();
+  for (auto& [name, column] : columns) joined[name] = column.take();
   return {{"n", total}, {"stored", stored}, {"worlds", worlds}, {"columns", std::move(joined)}};
 }
 
@@ -189,7 +156,6 @@ Json combined(std::vector<Json> pages, const Texts& labels) {
     return a.at("family").get<std::string>() < b.at("family").get<std::string>();
   });
   all["trials"] = joined_trials(pages, names);
-  add_changes(all);
   return all;
 }
 

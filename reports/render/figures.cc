@@ -24,6 +24,19 @@ constexpr const char* kNode =
     "figures are drawn by the program node, 18 or newer (Debian package nodejs), which is not found; without it, the "
     "page's own buttons save them (moma report STORE -o PAGE.html)";
 
+/// An empty folder among the system's temporary ones while it lives.
+struct TemporaryFolder {
+  std::string path = (fs::temp_directory_path() / "moma-figures-XXXXXX").string();
+  TemporaryFolder() {
+    if (mkdtemp(path.data()) == nullptr)
+      throw ReportError(fmt::format("{}: no temporary folder can be made: {}", path, std::strerror(errno)));
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
+
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
@@ -52,15 +65,15 @@ int run(std::vector<std::string> words) {
 
 std::vector<fs::path> write_figures(const Stores& stores, const fs::path& folder, files::Replace replace) {
   const nlohmann::ordered_json page = read_stores(stores, {});
-  const Temporary work{temporary_folder("figures")};
-  const fs::path drawn = work.path / "drawn";
+  const TemporaryFolder temporary;
+  const fs::path work = temporary.path;
+  const fs::path drawn = work / "drawn";
   const files::Kind none;
-  write_text(work.path / "figures.mjs", none, files::Replace::kOwn, std::string(figures_js()));
-  write_text(work.path / "page.json", none, files::Replace::kOwn,
+  write_text(work / "figures.mjs", none, files::Replace::kOwn, std::string(figures_js()));
+  write_text(work / "page.json", none, files::Replace::kOwn,
              page.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   fs::create_directory(drawn);
-  const int code =
-      run({"node", (work.path / "figures.mjs").string(), (work.path / "page.json").string(), drawn.string()});
+  const int code = run({"node", (work / "figures.mjs").string(), (work / "page.json").string(), drawn.string()});
   if (code == 127) throw ReportError(kNode);
   if (code != 0) throw ReportError("node could not draw the figures (its message is above)");
   std::error_code error;

@@ -9,7 +9,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -29,14 +28,11 @@ Json number(double value) {
   return value > 0 ? "inf" : "-inf";
 }
 
-/// Text that may hold anything, for instance bytes that are not UTF-8: dump() replaces those.
-Json text(const SQLite::Column& cell) { return cell.getString(); }
-
 Json value(const SQLite::Column& cell) {
   if (cell.isNull()) return nullptr;
   if (cell.isInteger()) return cell.getInt64();
   if (cell.isFloat()) return number(cell.getDouble());
-  return text(cell);
+  return cell.getString();  // may hold anything, for instance bytes that are not UTF-8: dump() replaces those
 }
 
 SQLite::Statement prepare(SQLite::Database& store, std::string_view sql) {
@@ -64,38 +60,6 @@ Json rows(SQLite::Database& store, std::string_view sql, std::optional<std::int6
   }
   return all;
 }
-
-/// A column while it is read: it holds texts or numbers, as its first cell that is not NULL.
-struct Column {
-  std::string name;
-  bool is_text = false;
-  Json numbers = Json::array();
-  Json values = Json::array();
-  Json codes = Json::array();
-  std::unordered_map<std::string, int> known;
-
-  void add(const SQLite::Column& cell) {
-    if (cell.isText() && !is_text) {
-      is_text = true;
-      for (std::size_t i = 0; i < numbers.size(); ++i) codes.push_back(-1);
-      numbers.clear();
-    }
-    if (!is_text) {
-      numbers.push_back(value(cell));
-    } else if (cell.isNull()) {
-      codes.push_back(-1);
-    } else {
-      const auto [place, added] = known.try_emplace(cell.getString(), static_cast<int>(known.size()));
-      if (added) values.push_back(place->first);
-      codes.push_back(place->second);
-    }
-  }
-
-  Json take() {
-    if (!is_text) return std::move(numbers);
-    return {{"values", std::move(values)}, {"codes", std::move(codes)}};
-  }
-};
 
 struct Extent {
   std::int64_t trials = 0;  // in the store
@@ -125,15 +89,16 @@ std::string all_trials_sql(const OwnMetrics& own) {
 
 /// Rows by column.
 Json columns_of(SQLite::Statement& query, long long& n) {
-  std::vector<Column> columns(static_cast<std::size_t>(query.getColumnCount()));
-  for (std::size_t i = 0; i < columns.size(); ++i) columns[i].name = query.getColumnName(static_cast<int>(i));
+  std::vector<TrialColumn> columns(static_cast<std::size_t>(query.getColumnCount()));
   for (n = 0; query.executeStep(); ++n) {
-    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].add(query.getColumn(static_cast<int>(i)));
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const SQLite::Column cell = query.getColumn(static_cast<int>(i));
+      columns[i].add(value(cell), cell.isText());
+    }
   }
   Json all = Json::object();
-  for (Column& column : columns) {
-    if (column.name != "params") all[column.name] = column.take();  // swept values are with the points
-  }
+  for (std::size_t i = 0; i < columns.size(); ++i) all[query.getColumnName(static_cast<int>(i))] = columns[i].take();
+  all.erase("params");  // swept values are with the points
   return all;
 }
 
@@ -202,6 +167,27 @@ Json tuning(SQLite::Database& store) {
 
 }  // namespace
 
+void TrialColumn::add(Json cell, bool is_text) {
+  if (is_text && !is_text_) {
+    is_text_ = true;
+    codes_ = std::vector<int>(numbers_.size(), -1);
+  }
+  if (!is_text_) {
+    numbers_.push_back(std::move(cell));
+  } else if (cell.is_null()) {
+    codes_.push_back(-1);
+  } else {
+    const auto [place, added] = known_.try_emplace(cell.get<std::string>(), static_cast<int>(known_.size()));
+    if (added) values_.push_back(place->first);
+    codes_.push_back(place->second);
+  }
+}
+
+Json TrialColumn::take() {
+  if (!is_text_) return std::move(numbers_);
+  return {{"values", std::move(values_)}, {"codes", std::move(codes_)}};
+}
+
 nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options) {
   // One transaction: all parts show the store at one moment, whatever a run adds meanwhile.
   SQLite::Transaction snapshot(store);
@@ -214,7 +200,6 @@ nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& o
   const OwnMetrics own = page_metrics(store);
   for (const Json& metric : own.described) page["metrics"].push_back(metric);
   add_own_means(store, own, page);
-  add_changes(page);
   const Extent shown = extent(store, options.trials);
   page["trials"] = trials(store, shown, own);
   add_evidence(store, shown.worlds, options.time_known, page);

@@ -5,11 +5,27 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "reports/render/report.h"
 
 namespace moma::reports {
+
+/// A column of trials while it is read: of numbers, or from its first text on of texts.
+class TrialColumn {
+ public:
+  void add(nlohmann::ordered_json cell, bool is_text);
+  /// `[NUMBER, ...]`, or of texts `{"values", "codes"}` with -1 for null.
+  nlohmann::ordered_json take();
+
+ private:
+  bool is_text_ = false;
+  nlohmann::ordered_json numbers_ = nlohmann::ordered_json::array();
+  nlohmann::ordered_json values_ = nlohmann::ordered_json::array();
+  nlohmann::ordered_json codes_ = nlohmann::ordered_json::array();
+  std::unordered_map<std::string, int> known_;
+};
 
 /// Everything the page shows, as one JSON object (reports/web/src/data.ts has its shape): rows as the queries of
 /// reports/sql give them; trials by column, texts as codes into a list; infinities as "inf" and "-inf".
@@ -23,12 +39,6 @@ nlohmann::ordered_json combined(std::vector<nlohmann::ordered_json> pages, const
 
 /// Opens and reads the stores; several are combined. Throws ReportError.
 nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& options);
-
-/// Gives the page its `changes`: each version of a controller at a sweep point against the one before, with every
-/// setting in which it differs, gains first. Versions have one name but for the store or the number behind it. Settings
-/// are what rows of points.sql hold: `parameters`, and disturbances, worlds, times, tolerances and robot beside them.
-/// Numbers that are equal are no change, however they are written.
-void add_changes(nlohmann::ordered_json& page);
 
 /// Adds to the page "replays", the worst trials of each kind among those with samples of worlds before `worlds`, and
 /// "robots", each robot that one of them needs, by its id. With `options.served` the trials are named only: their

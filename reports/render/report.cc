@@ -66,9 +66,4 @@ void write_report(const Stores& stores, const std::filesystem::path& html_file, 
   write_text(html_file, page_kind(), options.replace, html(read_stores(stores, options)));
 }
 
-void write_report(const std::filesystem::path& store, const std::filesystem::path& html_file,
-                  const ReportOptions& options) {
-  write_report(Stores{store}, html_file, options);
-}
-
 }  // namespace moma::reports

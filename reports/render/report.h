@@ -62,8 +62,6 @@ const files::Kind& page_kind();
 /// file in that place which is no such page.
 /// Cost: about 0.1 ms and 0.6 kB a trial, 30 kB a replay, 1.5 MB for the page's script and fonts.
 void write_report(const Stores& stores, const std::filesystem::path& html, const ReportOptions& options = {});
-void write_report(const std::filesystem::path& store, const std::filesystem::path& html,
-                  const ReportOptions& options = {});
 
 /// Writes every figure of the page that has something to show as FOLDER/ID.svg and ID.pdf, on white paper, drawn by the
 /// same code.
@@ -82,11 +80,3 @@ void write_table(const Stores& stores, const std::filesystem::path& file,
                  files::Replace replace = files::Replace::kOwn);
 
 }  // namespace moma::reports
-
-namespace moma {
-using reports::ReportError;
-using reports::ReportOptions;
-using reports::write_figures;
-using reports::write_report;
-using reports::write_table;
-}  // namespace moma

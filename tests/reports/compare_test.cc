@@ -156,8 +156,8 @@ TEST(Figures, DrawnWithoutABrowser) {
     EXPECT_EQ(svg.find("http://", svg.find('>')), std::string::npos) << file;
   }
   std::set<std::string> wanted;
-  for (const char* id : {"arrival", "course", "difficulty", "forest", "manipulability", "metric", "outcomes", "paired",
-                         "scatter", "timing"}) {
+  for (const char* id :
+       {"arrival", "difficulty", "forest", "manipulability", "metric", "outcomes", "paired", "scatter", "timing"}) {
     wanted.insert({std::string(id) + ".svg", std::string(id) + ".pdf"});
   }
   EXPECT_EQ(names, wanted);

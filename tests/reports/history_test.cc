@@ -1,4 +1,4 @@
-// Versions of a controller on one page, and who writes to a store.
+// Stores of one suite over time, and who writes to a store.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
@@ -27,7 +27,7 @@ TEST(Invocations, BringTheirEstimatesOfRisk) {
   const Folder folder;
   make_store(folder / "a.db", "demo", 2);
   const auto risk = [&] {
-    write_report(folder / "a.db", folder / "a.html");
+    write_report({folder / "a.db"}, folder / "a.html");
     return data_of(read_file(folder / "a.html")).at("invocations").at(0).at("risk");
   };
   EXPECT_EQ(risk(), Json(nullptr));
@@ -38,7 +38,7 @@ TEST(Invocations, BringTheirEstimatesOfRisk) {
   EXPECT_EQ(risk(), Json(nullptr));
 }
 
-TEST(Changes, StoresOfOneSuiteStandSideBySide) {
+TEST(History, StoresOfOneSuiteStandSideBySide) {
   const Folder folder;
   for (const char* name : {"march.db", "june.db"}) make_store(folder / name, "demo", 4);
   change(folder / "june.db",
@@ -65,34 +65,6 @@ TEST(Changes, StoresOfOneSuiteStandSideBySide) {
     EXPECT_EQ(run.at("started"), june ? "2025-06-01T08:00:00Z" : "2025-03-14T09:26:53Z");
     EXPECT_EQ(run.at("notes"), june ? Json("since *June*") : Json(nullptr));
   }
-  // What changed is said setting by setting, each version against the one before.
-  ASSERT_EQ(page.at("changes").size(), 2u) << page.at("changes");
-  for (const Json& change : page.at("changes")) {
-    const bool moma = change.at("controller") == "moma (march)";
-    EXPECT_EQ(change.at("before"), moma ? "moma (june)" : "holistic (june)");
-    const Json wanted = moma ? Json::array({{{"key", "lambda_q"}, {"from", "0.02"}, {"to", "0.01"}}}) : Json::array();
-    EXPECT_EQ(change.at("differs"), wanted);
-  }
-}
-
-TEST(Changes, AreOfEverySettingAndOfNothingElse) {
-  using Ordered = nlohmann::ordered_json;
-  const Ordered a = Ordered::parse(R"({"time_limit_s": 30,
-    "parameters": {"gain": 1, "collision": {"stop": 0.02, "list": [1, 2.0]}, "gone": "x"}, "worlds": {"seed": 1}})");
-  const Ordered b = Ordered::parse(R"({"time_limit_s": 30.0,
-    "parameters": {"gain": 1.0, "collision": {"stop": 0.05, "list": [1.0, 2]}, "come": true}, "worlds": {"seed": 2}})");
-  Ordered page{{"points", {a, b}}};
-  for (Ordered& point : page["points"]) {
-    point["suite"] = point["robot"] = point["point"] = "";
-    point["controller"] = "mine";
-    point["mode"] = "kinematic";
-  }
-  add_changes(page);
-  ASSERT_EQ(page.at("changes").size(), 1u);
-  std::string text;
-  for (const Ordered& c : page.at("changes")[0].at("differs"))
-    text += c.at("key").get<std::string>() + " " + c.at("from").dump() + " " + c.at("to").dump() + "; ";
-  EXPECT_EQ(text, R"(collision.stop "0.02" "0.05"; gone "x" null; worlds.seed "1" "2"; come null "true"; )");
 }
 
 /// Holds the advisory lock of a store as a run does, by a description of its own.
@@ -138,7 +110,7 @@ TEST(RunState, OnlyTheLatestRunMayBeAtWork) {
          "CREATE TEMP TABLE one AS SELECT * FROM invocation; UPDATE one SET id = 2;"
          "INSERT INTO invocation SELECT * FROM one; UPDATE invocation SET status = 'running';");
   const auto writers = [&] {
-    write_report(folder / "a.db", folder / "a.html");
+    write_report({folder / "a.db"}, folder / "a.html");
     const Json page = data_of(read_file(folder / "a.html"));
     std::string text;
     for (const Json& run : page.at("invocations")) text += run.at("writer").get<std::string>() + ";";
@@ -151,7 +123,7 @@ TEST(RunState, OnlyTheLatestRunMayBeAtWork) {
   ASSERT_TRUE(run.held());
   EXPECT_EQ(writers(), "at work;gone;");
   change(folder / "a.db", "UPDATE invocation SET status = 'finished'");
-  write_report(folder / "a.db", folder / "a.html");
+  write_report({folder / "a.db"}, folder / "a.html");
   EXPECT_FALSE(data_of(read_file(folder / "a.html")).at("invocations").at(0).contains("writer"));
 }
 

@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   const moma::reports::Stores stores(argv + (figures || view ? 2 : 1), argv + (view ? argc : argc - 1));
   try {
     if (figures) {
-      moma::write_figures(stores, argv[argc - 1]);
+      moma::reports::write_figures(stores, argv[argc - 1]);
     } else if (view) {
       std::signal(SIGTERM, [](int) { stop = true; });
       moma::reports::ViewOptions options;
@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
         std::fflush(stdout);
       });
     } else {
-      moma::write_report(stores, argv[argc - 1]);
+      moma::reports::write_report(stores, argv[argc - 1]);
     }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -33,7 +33,7 @@ Json page_cell(const Json& column, std::size_t row) {
 
 Json page_of(const Folder& folder, const std::string& kind, int worlds) {
   make_store(folder / "a.db", kind, worlds);
-  write_report(folder / "a.db", folder / "a.html");
+  write_report({folder / "a.db"}, folder / "a.html");
   return data_of(read_file(folder / "a.html"));
 }
 
@@ -102,7 +102,7 @@ TEST(PageData, TrialsThatEndByAnErrorDidNotSucceed) {
                  "ON p.id = m.point_id WHERE p.controller = 'moma' OR m.world_index < 4)");
     }
   }
-  write_report(folder / "a.db", folder / "a.html");
+  write_report({folder / "a.db"}, folder / "a.html");
   const Json page = data_of(read_file(folder / "a.html"));
   for (const Json& row : page.at("overall")) {
     const bool never = row.at("controller") == "moma";
@@ -136,7 +136,7 @@ TEST(PageData, MetricsOfASuiteStandBesideMomas) {
         "INSERT INTO metric_value SELECT 1, key, position_error_m FROM trial; "
         "INSERT INTO metric_value SELECT 2, key, NULL FROM trial");
   }
-  write_report(folder / "a.db", folder / "a.html");
+  write_report({folder / "a.db"}, folder / "a.html");
   const Json page = data_of(read_file(folder / "a.html"));
   std::vector<std::string> own;
   for (const Json& metric : page.at("metrics"))
@@ -168,7 +168,7 @@ TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {
   EXPECT_EQ(whole.at("trials").at("stored"), 80);
   ReportOptions options;
   options.trials = 31;  // two points: 15 worlds
-  write_report(folder / "a.db", folder / "part.html", options);
+  write_report({folder / "a.db"}, folder / "part.html", options);
   const Json part = data_of(read_file(folder / "part.html"));
   EXPECT_EQ(part.at("trials").at("n"), 30);
   EXPECT_EQ(part.at("trials").at("stored"), 80);

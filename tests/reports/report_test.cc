@@ -21,7 +21,7 @@ int count(const std::string& text, const std::string& part) {
 
 std::string message(const std::filesystem::path& db, const std::filesystem::path& html) {
   try {
-    write_report(db, html);
+    write_report({db}, html);
   } catch (const ReportError& error) {
     return error.what();
   }
@@ -36,7 +36,7 @@ void expect_refused(const std::filesystem::path& db, const std::filesystem::path
 TEST(Report, OneFileThatReachesNothing) {
   const Folder folder;
   make_store(folder / "a.db", "demo", 10);
-  write_report(folder / "a.db", folder / "deep" / "a.html");
+  write_report({folder / "a.db"}, folder / "deep" / "a.html");
   const std::string page = read_file(folder / "deep" / "a.html");
   EXPECT_EQ(page.rfind("<!doctype html>", 0), 0u);
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
@@ -49,7 +49,7 @@ TEST(Report, OneFileThatReachesNothing) {
 TEST(Report, HostileNamesAreText) {
   const Folder folder;
   make_store(folder / "a.db", "hostile", 12);
-  write_report(folder / "a.db", folder / "a.html");
+  write_report({folder / "a.db"}, folder / "a.html");
   const std::string page = read_file(folder / "a.html");
   EXPECT_EQ(count(page, "</script"), 2);
   EXPECT_EQ(page.find("<script>document.title"), std::string::npos);
@@ -71,7 +71,7 @@ TEST(Report, EscapesAnyBytes) {
 TEST(Report, EmptyStoreGivesAPage) {
   const Folder folder;
   make_store(folder / "a.db", "empty", 0);
-  write_report(folder / "a.db", folder / "a.html");
+  write_report({folder / "a.db"}, folder / "a.html");
   const nlohmann::json data = data_of(read_file(folder / "a.html"));
   EXPECT_EQ(data.at("trials").at("n"), 0);
   EXPECT_TRUE(data.at("summary").empty());
@@ -84,7 +84,7 @@ TEST(Report, RunningStoreIsReadAsItWasAtOneMoment) {
   SQLite::Transaction pending(writer);
   writer.exec("DELETE FROM samples");
   writer.exec("UPDATE trial SET outcome = 'error'");
-  write_report(folder / "a.db", folder / "a.html");
+  write_report({folder / "a.db"}, folder / "a.html");
   const nlohmann::json data = data_of(read_file(folder / "a.html"));
   EXPECT_EQ(data.at("trials").at("n"), 20);
   EXPECT_GT(data.at("samples_stored"), 0);
@@ -94,8 +94,8 @@ TEST(Report, RunningStoreIsReadAsItWasAtOneMoment) {
 TEST(Report, TheSameStoreGivesTheSameBytes) {
   const Folder folder;
   make_store(folder / "a.db", "demo", 10);
-  write_report(folder / "a.db", folder / "a.html");
-  write_report(folder / "a.db", folder / "b.html");
+  write_report({folder / "a.db"}, folder / "a.html");
+  write_report({folder / "a.db"}, folder / "b.html");
   EXPECT_EQ(read_file(folder / "a.html"), read_file(folder / "b.html"));
 }
 

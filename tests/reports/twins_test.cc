@@ -58,7 +58,7 @@ TEST_P(Twins, AreTheSuccessesOfTheSameWorlds) {
     asked.push_back(trial);
     return {};
   };
-  write_report(folder / "a.db", folder / "a.html", options);
+  write_report({folder / "a.db"}, folder / "a.html", options);
   const nlohmann::json replays = data_of(read_file(folder / "a.html")).at("replays");
 
   std::set<std::string> shown;
@@ -87,7 +87,7 @@ TEST_P(Twins, AreTheSuccessesOfTheSameWorlds) {
 
   asked.clear();
   options.twins = 0;
-  write_report(folder / "a.db", folder / "b.html", options);
+  write_report({folder / "a.db"}, folder / "b.html", options);
   EXPECT_EQ(asked.size(), 14u);
   EXPECT_EQ(data_of(read_file(folder / "b.html")).at("replays").size(), 14u);
 }

@@ -157,7 +157,9 @@ def make_world(index, family, name):
 def make_trace(world, x, end, reach, period):
     """Columns by name. The motion covers `reach` of the way to the witness in `end` seconds."""
     a, b = world['start'], world['witness']
-    table = {}
+    names = ['t', 'base_x', 'base_y', 'base_phi', *(f'{stem}{i}' for stem, n in (('q', 7), ('qdot', 9), ('command', 9), ('error', 6), ('slack', 6))
+                                                    for i in range(n)), 'manipulability', 'least_distance', 'status', 'fallback', 'active_rows']
+    rows = []
     steps = max(1, round(end / period))
     for step in range(steps):
         t = step * period
@@ -168,19 +170,11 @@ def make_trace(world, x, end, reach, period):
         if step % 5 == 0 or step == steps - 1:   # in between the last error stands: forward kinematics is slow here
             now = tip(base, q)
             error = rotation_error(x, now) + [x[i][3] - now[i][3] for i in range(3)]
-        row = {'t': t, 'base_x': base[0], 'base_y': base[1], 'base_phi': base[2]}
-        row.update({f'q{i}': v for i, v in enumerate(q)})
-        row.update({f'qdot{i}': 0.1 * math.sin(t + i) for i in range(9)})
-        row.update({f'command{i}': 0.1 * math.sin(t + i) for i in range(9)})
-        row.update({f'error{i}': v for i, v in enumerate(error)})
-        row.update({f'slack{i}': 0.002 * math.exp(-t) for i in range(6)})
-        row.update({'manipulability': 0.05 + 0.03 * math.sin(q[3] + 2.2),
-                    'least_distance': 0.05 + abs(1 - s) * 0.4 if world['objects'] else math.inf,
-                    'status': 1.0 if step % 97 == 96 else 0.0, 'fallback': 3.0 if step % 97 == 96 else 0.0,
-                    'active_rows': float(step % 5)})
-        for name, value in row.items():
-            table.setdefault(name, []).append(value)
-    return table
+        waves = [0.1 * math.sin(t + i) for i in range(9)]
+        bad = step % 97 == 96
+        rows.append((t, *base, *q, *waves, *waves, *error, *[0.002 * math.exp(-t)] * 6, 0.05 + 0.03 * math.sin(q[3] + 2.2),
+                     0.05 + abs(1 - s) * 0.4 if world['objects'] else math.inf, float(bad), 3.0 * bad, float(step % 5)))
+    return dict(zip(names, zip(*rows)))
 
 
 def zstd_frame(data):

@@ -45,10 +45,8 @@ export interface FigureSpec {
   empty: string;
   /** Marks the trial that is chosen. */
   linked?: boolean;
-  /** What must be read before the first drawing. */
-  prepare?: () => Promise<void>;
-  /** A mark was clicked; `data` is its datum, undefined for a line. */
-  click?: (data: unknown, mark: { seriesIndex: number; dataIndex: number }) => void;
+  /** A mark was clicked; `data` is its datum. */
+  click?: (data: unknown) => void;
 }
 
 export function textOf(words: string | (() => string)): string {

@@ -47,8 +47,3 @@ export function along(ramp: readonly string[], t: number): string {
   const below = Math.min(ramp.length - 2, Math.floor(place));
   return mix(ramp[below] ?? '#808080', ramp[below + 1] ?? '#808080', place - below);
 }
-
-/** The step of `ramp` at `t`: as many equal parts of 0 to 1 as it has colours; beyond the ends, as rounding may lead, the last of them. */
-export function stepOf(ramp: readonly string[], t: number): string {
-  return ramp[Math.max(0, Math.min(ramp.length - 1, Math.floor(t * ramp.length)))] ?? '#808080';
-}

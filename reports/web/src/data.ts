@@ -48,6 +48,7 @@ export interface PointInfo {
   control_period_s: number; physics_step_s: number; time_limit_s: number;
   success_position_m: number; success_orientation_rad: number; success_dwell_s: number;
   simulation_version: number;
+  robot_content: string;
   /** What of the robot's URDF was not understood and left out, a sentence each; empty where it was read strictly. */
   left_out: readonly string[];
   /** What stands between robot and controller (docs/reference/disturbances.md); empty: nothing. */
@@ -78,12 +79,6 @@ export interface RiskEstimate {
   excess: number; died: number; ancestors: number; tied: number;
   /** Of the level, nearer and nearer: value, probability to come as near, its interval, share among the first draws. */
   way: [value: number, p: number, low: number, high: number, crude: number][];
-}
-
-/** A version of a controller, and what in it differs from the one before; null: not set. */
-export interface Change {
-  suite: string; robot: string; mode: string; controller: string; before: string;
-  differs: { key: string; from: string | null; to: string | null }[];
 }
 
 export interface ReplayData {
@@ -127,7 +122,6 @@ export interface PageData {
   words: Record<string, readonly string[]>;
   invocations: Invocation[];
   points: PointInfo[];
-  changes?: Change[];
   summary: SummaryRow[];
   overall: SummaryRow[];
   /** Those of each point's first `worlds` worlds, of `stored` in all; the summary is over all. */
@@ -141,46 +135,34 @@ export interface PageData {
   tuning: TuneSearch[];
 }
 
-interface TextColumn {
-  values: string[];
-  codes: number[];
-}
-
-const kNone = new Float64Array(0);
-
 /** One row per trial, by column. */
 export class Trials {
-  n = 0;
-  private readonly texts = new Map<string, TextColumn>();
+  private source: PageData['trials'] = { n: 0, stored: 0, worlds: 0, columns: {} };
+  /** Made when they are first asked for, most of them after the first paint. */
   private readonly numbers = new Map<string, Float64Array>();
-  /** As read: made numbers when they are first asked for, most of them after the first paint. */
-  private readonly raw = new Map<string, readonly Cell[]>();
 
   load(source: PageData['trials']): void {
-    this.n = source.n;
-    this.texts.clear();
+    this.source = source;
     this.numbers.clear();
-    this.raw.clear();
-    for (const [name, column] of Object.entries(source.columns)) {
-      if (Array.isArray(column)) this.raw.set(name, column);
-      else this.texts.set(name, column);
-    }
+  }
+
+  get n(): number {
+    return this.source.n;
   }
 
   /** By row, NaN where the store has none; of what no trial has: no rows. */
   values(name: string): Float64Array {
-    const known = this.numbers.get(name);
-    if (known !== undefined) return known;
-    const raw = this.raw.get(name);
-    if (raw === undefined) return kNone;
-    const made = Float64Array.from(raw, (v) => (v === null ? NaN : v === 'inf' ? Infinity : v === '-inf' ? -Infinity : Number(v)));
-    this.raw.delete(name);
-    this.numbers.set(name, made);
+    let made = this.numbers.get(name);
+    if (made === undefined) {
+      const raw = this.source.columns[name];
+      made = Float64Array.from(Array.isArray(raw) ? raw : [], (v) => (v === null ? NaN : v === 'inf' ? Infinity : v === '-inf' ? -Infinity : Number(v)));
+      this.numbers.set(name, made);
+    }
     return made;
   }
 
   has(name: string): boolean {
-    return this.numbers.has(name) || this.raw.has(name) || this.texts.has(name);
+    return name in this.source.columns;
   }
 
   /** NaN where the store has none. */
@@ -189,12 +171,8 @@ export class Trials {
   }
 
   text(name: string, row: number): string {
-    const column = this.texts.get(name);
-    return column?.values[column.codes[row] ?? -1] ?? '';
-  }
-
-  column(name: string): TextColumn {
-    return this.texts.get(name) ?? { values: [], codes: [] };
+    const column = this.source.columns[name];
+    return column === undefined || Array.isArray(column) ? '' : column.values[column.codes[row] ?? -1] ?? '';
   }
 
   outcome(row: number): Outcome {

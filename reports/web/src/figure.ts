@@ -53,7 +53,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     }
     if (chart === null) {
       chart = echarts.init(plot, null, { renderer: 'canvas' });
-      chart.on('click', (event) => spec.click?.(event.data, { seriesIndex: event.seriesIndex ?? -1, dataIndex: event.dataIndex }));
+      chart.on('click', (event) => spec.click?.(event.data));
     }
     const series = (drawing.option['series'] as Option[]).map((s) => (spec.click === undefined ? { cursor: 'default', ...s } : s));
     // Who has asked their system for less motion gets none.
@@ -86,8 +86,7 @@ export function figure(spec: FigureSpec): HTMLElement {
   drawLater(element, () => {
     started = true;
     fillControls();
-    if (spec.prepare === undefined) draw();
-    else void spec.prepare().then(draw);
+    draw();
     let width = plot.clientWidth;
     new ResizeObserver(() => {
       if (plot.clientWidth === width) return;

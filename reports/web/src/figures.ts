@@ -23,7 +23,6 @@ async function main(file: string, folder: string): Promise<void> {
     const prefix = model.slices.length > 1 ? `${place + 1}-${fileName(slice.id)}-` : '';
     for (const spec of Object.values(kFigures).flatMap((specs) => specs(model))) {
       if (tuned.has(spec.id) && place > 0) continue;   // of the store, not of a suite
-      await spec.prepare?.();
       const svg = svgOf(spec);
       if (svg === null) continue;
       const name = join(folder, `${tuned.has(spec.id) ? '' : prefix}${spec.id}`);

@@ -2,37 +2,28 @@
 
 import { fixed, significant } from './format';
 
-export interface Metric {
-  key: string;
-  name: string;
-  unit: string;
-  /** '' where neither end is better by itself. */
-  better: 'high' | 'low' | '';
-  of: 'trial' | 'world' | 'machine';
-  /** Its name as a head of the table of trials; '' is not listed there. */
-  head: string;
-  /** Its column in the table of results, where it has one. */
-  summary: { column: string; name: string } | undefined;
-  /** Of the suite's own. */
-  own: boolean;
-  write: (value: number) => string;
-}
-
 /** A metric as the page's data describes it: the description of the store's columns. */
 export interface MetricData {
-  key: string; name: string; unit: string; better: Metric['better']; text: string;
+  key: string; name: string; unit: string; text: string;
+  /** '' where neither end is better by itself. */
+  better: 'high' | 'low' | '';
   /** Whose figure it is: the trial's, the world's (its difficulty), or the machine's (timings). */
-  of: Metric['of'];
+  of: 'trial' | 'world' | 'machine';
   /** How it is written: with so many decimals, or else so many significant digits. */
   decimals?: number; significant?: number;
-  head?: string; summary?: { column: string; name: string }; own?: boolean;
+  /** Its name as a head of the table of trials; none is not listed there. */
+  head?: string;
+  /** Its column in the table of results, where it has one. */
+  summary?: { column: string; name: string };
+  /** Of the suite's own. */
+  own?: boolean;
 }
 
-function made({ key, of, name, unit, better, decimals, significant: digits, head = '', summary, own }: MetricData): Metric {
-  const write = decimals === undefined
-    ? (value: number): string => significant(value, digits ?? 3)
-    : (value: number): string => fixed(value, decimals);
-  return { key, of, name, unit, better, head, summary, own: own === true, write };
+export interface Metric extends MetricData { write: (value: number) => string }
+
+function made(data: MetricData): Metric {
+  const { decimals, significant: digits } = data;
+  return { ...data, write: (value) => (decimals === undefined ? significant(value, digits ?? 3) : fixed(value, decimals)) };
 }
 
 /** All metrics that a trial may have, in the order of their description. */

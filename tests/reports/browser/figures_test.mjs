@@ -160,9 +160,9 @@ for (const [what, view] of views) {
   check(named.length === 6, `${what}: the best few are six: ${named}`);
   await apart(page, 'difficulty', named, what, ratio);
   if (what === 'light') await apart(page, 'timing', named, what, ratio);
-  for (const id of what === 'light' ? ['pareto', 'parallel', 'forest', 'heldout', 'search', 'arrival', 'paired'] : what === 'phone' ? ['heldout', 'pareto', 'forest', 'outcomes', 'timing'] : []) legible(await lettersOf(page, id), `${what}, ${id}`);
+  for (const id of what === 'light' ? ['pareto', 'forest', 'heldout', 'search', 'arrival', 'paired'] : what === 'phone' ? ['heldout', 'pareto', 'forest', 'outcomes', 'timing'] : []) legible(await lettersOf(page, id), `${what}, ${id}`);
   await noOverflow(page, what);
-  await accessible(page, source, what, '#tuning, #difficulty, #sweep');
+  await accessible(page, source, what, { parts: '#tuning, #difficulty, #sweep', colours: what === 'dark' });
   if (what === 'light') {
     // A plot for each metric that was compared on held-out worlds, under its name.
     const compared = [...new Set(search.comparisons.filter((one) => one.difference !== null).map((one) => one.metric))].map((key) => {
@@ -213,7 +213,7 @@ for (const [what, view] of views) {
     check(wide.length === 0, `print: beyond the paper: ${JSON.stringify(wide)}`);
     const torn = await page.evaluate(() => [...document.querySelectorAll('.summary .ci')].filter((ci) => ci.getClientRects().length !== 1 || ci.offsetHeight > 1.9 * parseFloat(getComputedStyle(ci).fontSize)).map((ci) => ci.textContent));
     check(torn.length === 0, `print: intervals in more than one line: ${torn}`);
-    await accessible(page, source, 'print of a sweep', '#tuning, #difficulty, #sweep');
+    await accessible(page, source, 'print of a sweep', { parts: '#tuning, #difficulty, #sweep', colours: true });
   }
   await context.close();
 }

@@ -122,12 +122,12 @@ export const opener = (browser) => async (html, { width = 1280, height = 900, ha
   return { context, page };
 };
 
-/** What axe-core finds that is serious or worse, in the page or in parts of it. */
-export const accessible = async (page, source, what, parts) => {
+/** What axe-core finds that is serious or worse, in the page or in parts of it; of elements that were looked at in other `colours` before, by contrast alone. */
+export const accessible = async (page, source, what, { parts, colours = false } = {}) => {
   await page.evaluate(readFileSync(packagesOf(source).resolve('axe-core/axe.min.js'), 'utf8'));
-  const serious = await page.evaluate(async (of) => (await window.axe.run(of === undefined ? document : { include: of.split(', ') }, { resultTypes: ['violations'] })).violations
+  const serious = await page.evaluate(async ([of, contrast]) => (await window.axe.run(of === undefined ? document : { include: of.split(', ') }, { resultTypes: ['violations'], ...(contrast ? { runOnly: ['color-contrast'] } : {}) })).violations
     .filter((v) => v.impact === 'serious' || v.impact === 'critical')
-    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`).join(' | ')}`), parts);
+    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`).join(' | ')}`), [parts, colours]);
   for (const violation of serious) check(false, `${what}: accessibility: ${violation}`);
 };
 

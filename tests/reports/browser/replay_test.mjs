@@ -369,7 +369,7 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
       await tellAt(page, place, told.replays[place].trial, [1e6]);
       await drawn(page);
       await replayOnPhone(page, scheme);
-      await accessible(page, source, `replay on a phone, ${scheme}`, '#replay');
+      await accessible(page, source, `replay on a phone, ${scheme}`, { parts: '#replay', colours: scheme === 'dark' });
     }
   }
   if (screenshots === undefined) await strip(page);

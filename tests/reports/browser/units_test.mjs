@@ -60,13 +60,6 @@ for (let i = 0; i <= 20; ++i) {
 check(along(['#000000', '#ffffff'], 0.5) === '#808080' && along(['#000000', '#ffffff'], 1) === '#ffffff', 'steps of a ramp');
 check(near(contrast('#767676', '#ffffff'), 4.54, 0.005), 'the contrast of #767676 on white is 4.54');
 
-// ---- steps of a ramp: an axis begins a rounding error above its least value ----------------------------------------------
-{
-  const { stepOf } = await load('colour');
-  const steps = ['#000001', '#000002', '#000003', '#000004'];
-  check([-1e-9, 0, 0.25, 0.49, 1, 1 + 1e-9].map((t) => stepOf(steps, t)).join() === '#000001,#000001,#000002,#000002,#000004,#000004', 'the worst of a sweep is never painted darkest');
-}
-
 // ---- shares: none and all are told from nearly so, ends of an interval from each other, halves are rounded up -----------
 {
   const { percent, percentRange } = await load('format');
@@ -183,7 +176,7 @@ if (process.env.MOMA_STORE_DEFINITION !== undefined) {
   for (let k = 0; k < 40; ++k) {
     const camera = new PerspectiveCamera(38, 0.5 + 2.5 * draw(), 0.05, 200);
     camera.up.set(0, 0, 1);
-    const points = Array.from({ length: 3 + Math.floor(30 * draw()) }, () => new Vector3(8 * draw() - 4, 8 * draw() - 4, 1.5 * draw()));
+    const points = Array.from({ length: 8 + Math.floor(30 * draw()) }, () => new Vector3(8 * draw() - 4, 8 * draw() - 4, 1.5 * draw()));
     const towards = new Vector3(draw() - 0.5, draw() - 0.5, 0.1 + 0.4 * draw()).normalize();
     camera.lookAt(fit(camera, points, towards));
     camera.updateMatrixWorld();
@@ -264,6 +257,18 @@ check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', '
   check(drawing.option.yAxis.min === -6 && drawing.option.yAxis.max === 0, `the axis spans the intervals: ${drawing.option.yAxis.min}`);
   check(figures([found('clutter', 0, { way: [] })])[0].draw(palettes[0], 900) === null, 'nothing came near');
   check(figures([found('clutter', 1e-5)], [found('clutter', 1e-5, { event: 'timeout', at: null, level: 'time_end_s' })]).length === 2, 'a figure for each event');
+}
+
+// ---- versions of a controller: every setting in which they differ and nothing else; numbers are equal however they are written -------------
+{
+  const { changesOf } = await load('sections/provenance');
+  const point = (controller, text, more = {}) => ({ controller, point: '', disturbances: {}, ...JSON.parse(text), ...more });
+  const a = '{"time_limit_s": 30, "parameters": {"gain": 1, "collision": {"stop": 0.02, "list": [1, 2.0]}, "gone": "x"}, "worlds": {"seed": 1}}';
+  const b = '{"time_limit_s": 30.0, "parameters": {"gain": 1.0, "collision": {"stop": 0.05, "list": [1.0, 2]}, "come": true}, "worlds": {"seed": 2}}';
+  const [only, ...more] = changesOf([point('mine', a), point('mine@2', b), point('yours', b)]);
+  check(more.length === 0 && only.before.controller === 'mine' && only.differs.join('; ') === 'collision.stop: 0.02 \u2192 0.05; gone: x \u2192 not set; worlds.seed: 1 \u2192 2; come: not set \u2192 true', `what changed: ${only.differs}`);
+  const stores = changesOf([point('mine (before)', a, { store: 'before' }), point('mine@3 (after)', a, { store: 'after' })]);
+  check(stores.length === 1 && stores[0].differs.length === 0, 'the same controller of two stores');
 }
 
 // ---- what a controller that looks ahead was about -------------------------------------------------------------------

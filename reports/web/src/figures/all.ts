@@ -3,7 +3,6 @@
 import type { FigureSpec } from '../chart';
 import type { Model } from '../data';
 import { arrival } from './arrival';
-import { course } from './course';
 import { difficulty } from './difficulty';
 import { distribution } from './distribution';
 import { forest } from './forest';
@@ -24,10 +23,10 @@ export const kFigures = {
   sweep: (model: Model) => (isSwept(model) ? [...sweep(), pareto()] : []),
   tuning: tuningFigures,
   risk: riskFigures,
-  quality: (model: Model) => [
+  quality: () => [
     distribution('manipulability', 'manip_mean'),
     distribution('metric', 'command_change_mean'),
-    scatter(), course(model),
+    scatter(),
   ],
   pairs: () => [paired()],
   timing: () => [timing()],

@@ -1,7 +1,7 @@
-// A sweep: success over two swept gains as a heat map, in slices along each gain, and all gains of all points as parallel coordinates.
+// A sweep: success over two swept gains as a heat map, in slices along each gain, and how much each explains.
 
 import { axis, gainAxis, gridBox, nice, pathSeries, plain, smallMultiples, tip, tipOf, whiskers, type FigureSpec } from '../chart';
-import { along, inkOn, stepOf } from '../colour';
+import { along, inkOn } from '../colour';
 import { integer, percentRange, plural, sizes, upper } from '../format';
 import * as state from '../state';
 import { seriesColour } from '../theme';
@@ -129,62 +129,6 @@ function heat(): FigureSpec {
   };
 }
 
-function parallel(): FigureSpec {
-  return {
-    id: 'parallel',
-    title: () => `${upper(measure().name)} over all swept gains`,
-    caption: 'One line per point, through its gains to its measure; the stronger the colour, the higher the measure.',
-    empty: 'No gain takes several values.',
-    choices: [kMeasureChoice],
-    draw: (p) => {
-      const of = measure();
-      const all = measured();
-      const keys = gains(all);
-      if (keys.length === 0 || all.length < 2) return null;
-      const value = (point: Point): number => valueOf(point.row, of);
-      const result = nice(Math.min(...all.map(value)), Math.max(...all.map(value)));
-      const scales = keys.map((gain) => {
-        const values = all.map((point) => point.values.get(gain) ?? NaN).filter(Number.isFinite);
-        const [low, high] = [Math.min(...values), Math.max(...values)];
-        // Gains are usually searched over decades.
-        const log = low > 0 && high / low >= 20;
-        return { name: short(gain), low: plain(low), high: plain(high), log, at: (v: number): number => (log ? Math.log(v / low) / Math.log(high / low) : (v - low) / (high - low)) };
-      });
-      const last = { name: of.name, low: of.write(result.min), high: of.write(result.max), at: (v: number) => (v - result.min) / (result.max - result.min) };
-      const ends = [...scales, last];
-      const colours = ramp(p).slice(1);
-      return {
-        height: 340,
-        note: `${integer(all.length)} points, n = ${sizes(all.map((a) => a.row.n))} trials each.${scales.some((s) => s.log) ? ' Axes over more than a decade are logarithmic.' : ''}`,
-        columns: [...keys.map(short), of.key, 'n', 'point'],
-        rows: all.map((point) => [...keys.map((gain) => point.values.get(gain) ?? null), value(point), point.row.n, point.name]),
-        option: {
-          grid: { left: 50, right: 50, top: 44, bottom: 34 },
-          xAxis: {
-            type: 'category', boundaryGap: false, position: 'top', data: ends.map((e) => e.name), axisLine: { show: false }, axisTick: { show: false },
-            axisLabel: { color: p.ink, fontSize: 12, margin: 20, interval: 0 }, splitLine: { show: true, interval: 0, lineStyle: { color: p.faint, width: 1 } },
-          },
-          yAxis: { type: 'value', min: 0, max: 1, show: false },
-          tooltip: tipOf((point: Point) => tip(point.name, told(point, of))),
-          series: [
-            ...[...all].sort((a, b) => value(a) - value(b)).map((point) => {
-              const color = stepOf(colours, last.at(value(point)));
-              return {
-                type: 'line', showSymbol: false, symbolSize: 6, triggerEvent: 'line', lineStyle: { width: 1.8, opacity: 0.85, color }, itemStyle: { color },
-                data: [...keys.map((gain, i) => scales[i]?.at(point.values.get(gain) ?? NaN) ?? null), last.at(value(point))].map((v) => ({ value: v, of: point })),
-              };
-            }),
-            ...([0, 1] as const).map((end) => ({
-              type: 'scatter', silent: true, symbolSize: 2, itemStyle: { color: 'transparent' }, data: ends.map((_, i) => [i, end]),
-              label: { show: true, position: end === 0 ? 'bottom' : 'top', distance: 4, color: p.muted, fontSize: 11, formatter: ({ dataIndex }: { dataIndex: number }) => (end === 0 ? ends[dataIndex]?.low : ends[dataIndex]?.high) ?? '' },
-            })),
-          ],
-        },
-      };
-    },
-  };
-}
-
 export function sweep(): FigureSpec[] {
-  return [heat(), slices(), gainShares(), parallel()];
+  return [heat(), slices(), gainShares()];
 }

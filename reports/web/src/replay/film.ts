@@ -2,34 +2,17 @@
 
 import { BufferTarget, CanvasSource, Output, QUALITY_HIGH, WebMOutputFormat } from 'mediabunny';
 
-export class Film {
-  private readonly target = new BufferTarget();
-  private readonly output = new Output({ format: new WebMOutputFormat(), target: this.target });
-  private readonly source: CanvasSource;
-  private frames = 0;
-
-  /** Of what the canvas shows at each add(); its size must stay. */
-  constructor(canvas: HTMLCanvasElement, private readonly fps: number) {
-    this.source = new CanvasSource(canvas, { codec: 'vp9', bitrate: QUALITY_HIGH, keyFrameInterval: 2, latencyMode: 'quality' });
-    this.output.addVideoTrack(this.source, { frameRate: fps });
+/** Films what `draw` puts onto the canvas, whose size must stay, for each of so many frames; null where it is no longer `wanted`. */
+export async function film(canvas: HTMLCanvasElement, frames: number, fps: number, draw: (frame: number) => void, wanted: () => boolean): Promise<Blob | null> {
+  const target = new BufferTarget();
+  const output = new Output({ format: new WebMOutputFormat(), target });
+  const source = new CanvasSource(canvas, { codec: 'vp9', bitrate: QUALITY_HIGH, keyFrameInterval: 2, latencyMode: 'quality' });
+  output.addVideoTrack(source, { frameRate: fps });
+  await output.start();
+  for (let k = 0; k < frames && wanted(); ++k) {
+    draw(k);
+    await source.add(k / fps, 1 / fps);   // resolves when there is room for another
   }
-
-  async begin(): Promise<void> {
-    await this.output.start();
-  }
-
-  /** The next frame. Resolves when there is room for another. */
-  async add(): Promise<void> {
-    await this.source.add(this.frames++ / this.fps, 1 / this.fps);
-  }
-
-  async end(): Promise<Uint8Array> {
-    await this.output.finalize();
-    if (this.target.buffer === null) throw new Error('the video was not written');
-    return new Uint8Array(this.target.buffer);
-  }
-
-  async cancel(): Promise<void> {
-    await this.output.cancel();
-  }
+  await (wanted() ? output.finalize() : output.cancel());
+  return wanted() && target.buffer !== null ? new Blob([target.buffer], { type: 'video/webm' }) : null;
 }

@@ -8,8 +8,9 @@ import type { Trace } from './trace';
 
 /** Of the picture's half height and width, this much is used. */
 const kUsed = 0.9;
-/** Nearer than this to the middle of what is seen the camera never is [m]. */
+/** Nearer than this to the middle of what is seen, or to any point of it, which its near plane would cut off, the camera never is [m]. */
 const kNearest = 0.6;
+const kClear = 0.06;
 
 /** At least every tenth of a second, or sixty times: where base and hand are, with some room around them. */
 export function extent(robot: Robot, trace: Trace): Vector3[] {
@@ -32,26 +33,17 @@ export function extent(robot: Robot, trace: Trace): Vector3[] {
 export function fit(camera: PerspectiveCamera, points: readonly Vector3[], towards: Vector3): Vector3 {
   const right = new Vector3(0, 0, 1).cross(towards).normalize();
   const up = towards.clone().cross(right);
-  // In the camera's axes: the middle of what is to be seen, then the distance from which all of it is.
-  const span = (axis: Vector3): [number, number] => { const values = points.map((p) => p.dot(axis)); return [Math.min(...values), Math.max(...values)]; };
-  const [r, u, d] = [span(right), span(up), span(towards)];
-  const middle = right.clone().multiplyScalar((r[0] + r[1]) / 2).addScaledVector(up, (u[0] + u[1]) / 2).addScaledVector(towards, (d[0] + d[1]) / 2);
+  const depths = points.map((p) => p.dot(towards));
   const tall = Math.tan((camera.fov * Math.PI) / 360) * kUsed;
-  const wide = tall * camera.aspect;
-  let best = { middle: middle.clone(), away: Infinity };
-  // What is near looks larger than what is far: the middle is moved to that of the picture, a few times, and the one kept
-  // that lets the camera come nearest.
-  for (let k = 0; k < 6; ++k) {
-    const of = points.map((point) => point.clone().sub(middle)).map((p) => ({ d: p.dot(towards), r: p.dot(right), u: p.dot(up) }));
-    const away = Math.max(kNearest, ...of.map((p) => p.d + Math.max(Math.abs(p.r) / wide, Math.abs(p.u) / tall)));
-    if (away < best.away) best = { middle: middle.clone(), away };
-    const across = (to: 'r' | 'u'): number => {
-      const seen = of.map((p) => p[to] / Math.max(0.05, away - p.d));
-      return (away * (Math.min(...seen) + Math.max(...seen))) / 2;
-    };
-    const [x, y] = [across('r'), across('u')];
-    middle.addScaledVector(right, x).addScaledVector(up, y);
-  }
-  camera.position.copy(best.middle).addScaledVector(towards, best.away);
-  return best.middle;
+  /** Each point lies between two planes through the camera of this slope: where it stands along `axis`, and how far away at least. */
+  const between = (axis: Vector3, slope: number): [number, number] => {
+    const [high, low] = [1, -1].map((side) => Math.max(...points.map((p, i) => side * p.dot(axis) + slope * (depths[i] ?? 0)))) as [number, number];
+    return [(high - low) / 2, (high + low) / (2 * slope)];
+  };
+  const [[x, ofWidth], [y, ofHeight]] = [between(right, tall * camera.aspect), between(up, tall)];
+  const [far, near] = [Math.min(...depths), Math.max(...depths)];
+  const depth = (far + near) / 2;
+  const middle = right.clone().multiplyScalar(x).addScaledVector(up, y).addScaledVector(towards, depth);
+  camera.position.copy(middle).addScaledVector(towards, Math.max(ofWidth, ofHeight, depth + kNearest, near + kClear) - depth);
+  return middle;
 }

@@ -2,21 +2,9 @@
 
 import { downloadBlob, h } from '../dom';
 import { fixed, integer } from '../format';
-import type { Film } from './film';
 
 /** Frames a second of a motion that is saved. */
 const kFps = 30;
-
-/** Whether this browser encodes video. */
-function canFilm(): boolean {
-  return typeof VideoEncoder !== 'undefined';
-}
-
-/** What encodes is a large part of the script, and run only where something is filmed. */
-async function newFilm(canvas: HTMLCanvasElement, fps: number): Promise<Film> {
-  const { Film } = await import('./film');
-  return new Film(canvas, fps);
-}
 
 /** A motion that is shown. */
 export interface Shown {
@@ -35,12 +23,6 @@ export interface Shown {
   picture(): HTMLCanvasElement;
 }
 
-async function addFrame(of: Shown, film: Film, t: number): Promise<void> {
-  of.seek(t);
-  of.picture();
-  await film.add();
-}
-
 export function pictureButton(of: Shown): HTMLButtonElement {
   const save = (): void => {
     if (of.name() !== '') of.picture().toBlob((blob) => { if (blob !== null) downloadBlob(`${of.name()}-${fixed(of.time(), 2)}s.png`, blob); });
@@ -56,27 +38,23 @@ export function filmButton(of: Shown): HTMLButtonElement {
       filming = null;
       return;
     }
-    if (!canFilm()) {
-      button.textContent = 'No WebM here';
-      return;
-    }
     const [name, from, rate] = [of.name(), of.time(), of.rate()];
     of.pause();
     const mine = filming = Symbol(name);
-    const wanted = (): boolean => filming === mine && of.name() === name;
     const frames = Math.ceil((of.end() * kFps) / rate) + 1;
+    const drawFrame = (k: number): void => {
+      of.seek((k * rate) / kFps);
+      of.picture();
+      button.textContent = `Stop at ${integer(Math.round((100 * k) / frames))} %`;
+    };
     try {
-      const film = await newFilm(of.picture(), kFps);
-      await film.begin();
-      for (let k = 0; k < frames && wanted(); ++k) {
-        await addFrame(of, film, (k * rate) / kFps);
-        button.textContent = `Stop at ${integer(Math.round((100 * k) / frames))} %`;
-      }
-      if (wanted()) downloadBlob(`${name}.webm`, new Blob([await film.end() as BlobPart], { type: 'video/webm' }));
-      else await film.cancel();
+      // What encodes is a large part of the script, and run only where something is filmed.
+      const { film } = await import('./film');
+      const video = await film(of.picture(), frames, kFps, drawFrame, () => filming === mine && of.name() === name);
+      if (video !== null) downloadBlob(`${name}.webm`, video);
       button.textContent = 'Save WebM';
     } catch {
-      button.textContent = 'No WebM here';
+      button.textContent = 'No WebM here';   // a browser that encodes no video
     }
     if (filming === mine) filming = null;
     if (of.name() === name) of.seek(from);

@@ -1,7 +1,7 @@
 // How the numbers came to be: runs, versions, machine, what changed, and the controllers' parameters side by side.
 
 import { flatten } from '../conditions';
-import { inSlice, type Change, type Model, type PointInfo } from '../data';
+import { inSlice, type Model, type PointInfo } from '../data';
 import { h, replace, table } from '../dom';
 import { integer, plural } from '../format';
 import { onView, view } from '../view';
@@ -49,12 +49,38 @@ function parameters(all: readonly PointInfo[]): HTMLElement | null {
     h('details', null, h('summary', null, `All ${plural(keys.length, 'parameter')}`), sideBySide('Parameters', keys, shown, '\u2013')));
 }
 
+/** What a point is run with, beside its gains. */
+const kShared = ['control_period_s', 'physics_step_s', 'time_limit_s', 'success_position_m', 'success_orientation_rad', 'success_dwell_s', 'simulation_version', 'disturbances', 'worlds', 'robot_content'] as const;
+
+function settingsOf(p: PointInfo): Map<string, string> {
+  return new Map([...flatten(p.parameters), ...kShared.flatMap((key) => flatten(p[key], key))].filter(([key]) => key !== ''));
+}
+
+/** "mine@2 (after)" and "mine (before)" are versions of one controller. */
+function lineage({ controller, store }: PointInfo): string {
+  const ofStore = ` (${store})`;
+  return (controller.endsWith(ofStore) ? controller.slice(0, -ofStore.length) : controller).replace(/@\d+$/, '');
+}
+
+/** Each version of a controller at a sweep point, the one before it, and the settings in which they differ, gains first. */
+export function changesOf(points: readonly PointInfo[]): { now: PointInfo; before: PointInfo; differs: string[] }[] {
+  const last = new Map<string, PointInfo>();
+  return points.flatMap((now) => {
+    const key = JSON.stringify([lineage(now), now.point]);
+    const before = last.get(key);
+    last.set(key, now);
+    if (before === undefined) return [];
+    const [from, to] = [settingsOf(before), settingsOf(now)];
+    const keys = [...new Set([...from.keys(), ...to.keys()])].filter((name) => from.get(name) !== to.get(name));
+    return [{ now, before, differs: keys.map((name) => `${name}: ${from.get(name) ?? 'not set'} \u2192 ${to.get(name) ?? 'not set'}`) }];
+  });
+}
+
 /** A line for each version of a controller against the one before it; null where there is one of each. */
-function changes(model: Model): HTMLElement | null {
-  const text = ({ key, from, to }: Change['differs'][number]): string => `${key}: ${from ?? 'not set'} \u2192 ${to ?? 'not set'}`;
-  const lines = (model.page.changes ?? []).filter((c) => inSlice(c, view().slice)).map(({ controller, before, differs }) => {
+function changes(points: readonly PointInfo[]): HTMLElement | null {
+  const lines = changesOf(points).map(({ now, before, differs }) => {
     const more = differs.length > kMostChanges ? `, and ${differs.length - kMostChanges} more` : '';
-    return h('li', null, h('b', null, controller), differs.length === 0 ? ` has the settings of ${before}.` : ` differs from ${before} in ${differs.slice(0, kMostChanges).map(text).join('; ')}${more}.`);
+    return h('li', null, h('b', null, now.controller), differs.length === 0 ? ` has the settings of ${before.controller}.` : ` differs from ${before.controller} in ${differs.slice(0, kMostChanges).join('; ')}${more}.`);
   });
   return lines.length === 0 ? null : h('div', { class: 'changes' }, h('h3', null, 'What changed'), h('ul', null, ...lines));
 }
@@ -83,7 +109,7 @@ export function provenance(model: Model): HTMLElement {
         ] as const).map(([name, value]) => h('div', null, h('dt', null, name), h('dd', null, value)))),
         earlier.length > 0 ? h('div', null, h('h3', null, 'Earlier runs'), h('ul', null, ...earlier.slice(0, 11).map((r) =>
           h('li', null, `${r.started}, ${r.host}, moma ${r.moma_version}: ${plural(r.trials_done, 'trial')}, ${r.status}`)))) : null),
-      changes(model), disturbances(points), parameters(points));
+      changes(points), disturbances(points), parameters(points));
   };
   fill();
   onView(fill);

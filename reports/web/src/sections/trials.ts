@@ -18,7 +18,7 @@ const kText: Record<string, string> = { trial: 'Trial', controller: 'Controller'
 const kWidths: Record<string, number> = { trial: 158, controller: 118, point: 190, family: 88, world: 68, outcome: 112, contact: 230 };
 
 function heading(key: string): string {
-  const { head, unit } = metric(key);
+  const { head = '', unit } = metric(key);
   return kText[key] ?? (key === 'world' ? 'World' : unit === '' ? head : `${head} [${unit}]`);
 }
 
@@ -36,7 +36,7 @@ function contact(model: Model, row: number): string {
 function columns(model: Model): string[] {
   const { series } = view();
   return ['trial', 'controller', ...(series.some((s) => s.point !== '') ? ['point'] : []), 'family', 'world', 'outcome',
-    ...kMetrics.filter((m) => m.head !== '' && series.some((s) => model.trials.any(m.key, s.rows))).map((m) => m.key), 'contact'];
+    ...kMetrics.filter((m) => m.head !== undefined && series.some((s) => model.trials.any(m.key, s.rows))).map((m) => m.key), 'contact'];
 }
 
 export function trials(model: Model): HTMLElement {
@@ -51,8 +51,6 @@ export function trials(model: Model): HTMLElement {
   let rows: number[] = [];
   let shownColumns: string[] = [];
   let all = 0;
-  /** Rows that are drawn: those that stay in sight from one key stroke to the next stay as they are. */
-  const drawn = new Map<number, HTMLElement>();
 
   const cell = (key: string, row: number): HTMLElement => {
     if (key === 'outcome') {
@@ -69,36 +67,17 @@ export function trials(model: Model): HTMLElement {
     return h('span', { role: 'cell', class: 'num' }, Number.isNaN(value) ? '\u2013' : key === 'world' ? integer(value) : metric(key).write(value));
   };
 
-  const newLine = (row: number): HTMLElement => {
-    const name = t.text('trial', row);
-    return h('div', { class: 'row', role: 'row', 'data-trial': name, click: () => select(name, false), dblclick: () => select(name, true) }, ...shownColumns.map((key) => cell(key, row)));
-  };
-
   const draw = (): void => {
     const top = Math.floor(scroller.scrollTop / kRowHeight);
     const first = Math.max(0, top - kBeyond);
     const seen = rows.slice(first, top + Math.ceil(scroller.clientHeight / kRowHeight) + kBeyond);
-    const chosen = state.get('trial');
-    const keep = new Set(seen);
-    for (const [row, line] of drawn) {
-      if (keep.has(row)) continue;
-      line.remove();
-      drawn.delete(row);
-    }
-    let next = rowsBox.firstChild;
-    seen.forEach((row, i) => {
-      let line = drawn.get(row);
-      if (line === undefined) drawn.set(row, line = newLine(row));
-      line.style.top = `${(first + i) * kRowHeight}px`;
-      line.classList.toggle('chosen', line.dataset['trial'] === chosen);
-      if (line === next) next = next.nextSibling;
-      else rowsBox.insertBefore(line, next);
-    });
-  };
-  /** Words or colours of rows have changed. */
-  const forget = (): void => {
-    drawn.clear();
-    replace(rowsBox);
+    replace(rowsBox, ...seen.map((row, i) => {
+      const name = t.text('trial', row);
+      return h('div', {
+        class: name === state.get('trial') ? 'row chosen' : 'row', role: 'row', 'data-trial': name, style: `top:${(first + i) * kRowHeight}px`,
+        click: (event) => select(name, (event as MouseEvent).detail === 2),   // the second click of two falls on a row drawn anew
+      }, ...shownColumns.map((key) => cell(key, row)));
+    }));
   };
 
   const drawHead = (): void => {
@@ -127,7 +106,6 @@ export function trials(model: Model): HTMLElement {
     scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 96}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
     scroller.style.setProperty('--total', `${shownColumns.reduce((sum, key) => sum + (kWidths[key] ?? 96) + 14, 16)}px`);
     drawHead();
-    forget();
     refresh();
   };
 
@@ -191,7 +169,7 @@ export function trials(model: Model): HTMLElement {
   fillControls();
   requestAnimationFrame(settle);
   onView(() => { fillControls(); settle(); });
-  onTheme(() => { forget(); draw(); showDetail(state.get('trial')); });
+  onTheme(() => { draw(); showDetail(state.get('trial')); });
   state.listen(['outcome', 'who', 'q', 'sort'], (changed) => {
     if (changed.has('outcome') || changed.has('who')) fillControls();
     if (changed.has('sort')) drawHead();
