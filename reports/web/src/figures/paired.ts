@@ -1,6 +1,6 @@
 // Two controllers on the same worlds: one dot per world, A along x, B along y.
 
-import { axis, kFont, legend, legendHeight, nice, plain, ruler, tip, tipOf, type FigureSpec } from '../chart';
+import { axis, kFont, kNarrow, legend, legendHeight, nice, plain, ruler, tip, tipOf, type FigureSpec } from '../chart';
 import { pairs, pairsText, type PairedWorld } from '../compare';
 import { outcomeName, type Series } from '../data';
 import { integer, upper } from '../format';
@@ -50,7 +50,7 @@ export function paired(): FigureSpec {
       const t = model.trials;
       const row = chosenRow(model);
       const marked = (w: PairedWorld): object => (row === w.a || row === w.b ? { symbolSize: 14, itemStyle: { borderColor: p.ink, borderWidth: 2.5, opacity: 1 } } : {});
-      const range = nice(...ends);
+      const range = nice(...ends, width < kNarrow ? 4 : 6);   // a strip is as wide as its name
       // Strips beside the axes, outside their numbers, are for worlds in which one has no value; dots are spread in them.
       const least = range.min - range.interval;
       const place = (value: number, world: number): number => (Number.isFinite(value) ? value : least + range.interval * (0.2 + 0.6 * ((world * 0.618033988749895) % 1)));
