@@ -82,13 +82,9 @@ class Controller {
 void bind_controller(nb::module_& module) {
   nb::class_<Controller>(module, "Controller")
       .def("__init__",
-           [](Controller* self, const Robot& robot, const std::string& json, double control_period) {
-             new (self) Controller(robot, node_of(json, "controller"), control_period);
+           [](Controller* self, const Robot& robot, const std::string& file, const std::string& json, double period) {
+             new (self) Controller(robot, file.empty() ? node_of(json, "controller") : config::load_yaml(file), period);
            })
-      .def_static("load",
-                  [](const Robot& robot, const std::string& file, double control_period) {
-                    return std::make_unique<Controller>(robot, config::load_yaml(file), control_period).release();
-                  })
       .def("reset", &Controller::reset)
       .def("step", &Controller::step)
       .def("solve", [](Controller& self,
@@ -109,11 +105,15 @@ void bind_controller(nb::module_& module) {
 }
 
 void bind_case(nb::module_& module) {
-  module.def("solve_file", [](const std::string& file) { return layout(moma::solve(read_case(file))); });
-  module.def("solve_json",
-             [](const std::string& json) { return layout(moma::solve(read_case(node_of(json, "case")))); });
-  module.def("explain_file", [](const std::string& file) { return moma::explain(read_case(file)); });
-  module.def("explain_json", [](const std::string& json) { return moma::explain(read_case(node_of(json, "case"))); });
+  // Of a file, or where that is empty of a text.
+  const auto read = [](const std::string& file, const std::string& json) {
+    return file.empty() ? read_case(node_of(json, "case")) : read_case(file);
+  };
+  module.def("solve", [read](const std::string& file, const std::string& json) {
+    return layout(moma::solve(read(file, json)));
+  });
+  module.def("explain",
+             [read](const std::string& file, const std::string& json) { return moma::explain(read(file, json)); });
 }
 
 }  // namespace moma::python

@@ -14,10 +14,10 @@
 
 namespace moma::python {
 
-const SuitePoint& Suite::point(std::size_t i) const {
-  if (i < suite_->points.size()) return suite_->points[i];
+const SuitePoint& point_of(const Suite& suite, std::size_t i) {
+  if (i < suite.points.size()) return suite.points[i];
   throw std::invalid_argument("point: found " + std::to_string(i) + ", the suite has " +
-                              std::to_string(suite_->points.size()));
+                              std::to_string(suite.points.size()));
 }
 
 World make_world(const SuitePoint& point, std::uint64_t index) {
@@ -31,20 +31,18 @@ World make_world(const SuitePoint& point, std::uint64_t index) {
 
 void bind_suite(nb::module_& module) {
   nb::class_<Suite>(module, "Suite")
-      .def_static("load", [](const std::string& file,
-                             const Overrides& changes) { return new Suite(moma::load_suite(file, changes)); })
-      .def_prop_ro("trials", [](const Suite& suite) { return suite.get().trials; })
-      .def_prop_ro("resolved", [](const Suite& suite) { return suite.get().resolved.dump(); })
+      .def_static("load", [](const std::string& file, const Overrides& changes) { return load_suite(file, changes); })
+      .def_prop_ro("trials", [](const Suite& suite) { return suite.trials; })
+      .def_prop_ro("resolved", [](const Suite& suite) { return suite.resolved.dump(); })
       .def_prop_ro("points",
                    [](const Suite& suite) {
                      std::vector<std::pair<std::string, std::string>> names;
-                     for (const SuitePoint& point : suite.get().points)
-                       names.emplace_back(point.controller, point.label);
+                     for (const SuitePoint& point : suite.points) names.emplace_back(point.controller, point.label);
                      return names;
                    })
       .def("world", [](const Suite& suite, std::size_t point, std::uint64_t index) {
         const nb::gil_scoped_release release;
-        return to_json(make_world(suite.point(point), index)).dump();
+        return to_json(make_world(point_of(suite, point), index)).dump();
       });
   module.def("read_world", [](const std::string& json, const std::string& name) {
     return to_json(world_from_json(config::parse_json(json, name), name)).dump();

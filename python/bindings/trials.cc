@@ -75,7 +75,7 @@ struct RowJson {
 class Trials {
  public:
   Trials(const Suite& suite, std::size_t point, std::size_t count, std::size_t slots, bool truth)
-      : worlds_(suite.point(point)), slots_(slots), truth_(truth), trials_(count) {
+      : worlds_(point_of(suite, point)), slots_(slots), truth_(truth), trials_(count) {
     // What a suite's own controllers are is no part of a trial whose controller is outside.
     worlds_.plugin = nullptr;
     worlds_.controller_params = {};

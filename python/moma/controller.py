@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, _runner
+from .case import _core_arguments
 from .robot import Robot
 
 Floats = NDArray[np.float64]
@@ -85,10 +86,7 @@ class Controller:
         control_period: float = 0.02,
     ):
         self.robot = robot
-        if isinstance(parameters, Mapping):
-            self._core = _core.Controller(robot._core, json.dumps(parameters), control_period)
-        else:
-            self._core = _core.Controller.load(robot._core, os.fspath(parameters), control_period)
+        self._core = _core.Controller(robot._core, *_core_arguments(parameters), control_period)
         self._layouts = robot._layouts
         self._step = _runner.record("Step", self._layouts["step"], Step)
         self._seen = _runner.record("Observation", self._layouts["observation"])

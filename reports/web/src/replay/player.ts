@@ -48,7 +48,6 @@ export function player(model: Model): HTMLElement {
   let hasRows = false;
   let sees = '';   // what of the controller's senses is disturbed
   let wanted = '';
-  const robots = new Map<string, Robot>();
   const looks = new Map<string, readonly Part[]>();
   let words: Words = { outcome: '', colour: '', caption: '', clock: '', labels: [] };
   const picture = new CaptionedPicture();
@@ -215,9 +214,7 @@ export function player(model: Model): HTMLElement {
     const row = model.row(trial) ?? -1;
     const t = model.trials;
     const point = model.point(row);
-    const key = `${t.text('store', row)}:${motion.replay.robot}`;
-    const next = robots.get(key) ?? new Robot(motion.robot);
-    robots.set(key, next);
+    const next = new Robot(motion.robot);
     scene ??= new ReplayScene(canvas, colours(), draw);
     current = trial;
     sees = disturbed(point);
