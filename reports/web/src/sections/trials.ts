@@ -51,6 +51,8 @@ export function trials(model: Model): HTMLElement {
   let rows: number[] = [];
   let shownColumns: string[] = [];
   let all = 0;
+  /** Rows that are drawn: those that stay in sight from one key stroke to the next stay as they are. */
+  const drawn = new Map<number, HTMLElement>();
 
   const cell = (key: string, row: number): HTMLElement => {
     if (key === 'outcome') {
@@ -67,17 +69,36 @@ export function trials(model: Model): HTMLElement {
     return h('span', { role: 'cell', class: 'num' }, Number.isNaN(value) ? '\u2013' : key === 'world' ? integer(value) : metric(key).write(value));
   };
 
+  const newLine = (row: number): HTMLElement => {
+    const name = t.text('trial', row);
+    return h('div', { class: 'row', role: 'row', 'data-trial': name, click: () => select(name, false), dblclick: () => select(name, true) }, ...shownColumns.map((key) => cell(key, row)));
+  };
+
   const draw = (): void => {
     const top = Math.floor(scroller.scrollTop / kRowHeight);
     const first = Math.max(0, top - kBeyond);
     const seen = rows.slice(first, top + Math.ceil(scroller.clientHeight / kRowHeight) + kBeyond);
-    replace(rowsBox, ...seen.map((row, i) => {
-      const name = t.text('trial', row);
-      return h('div', {
-        class: name === state.get('trial') ? 'row chosen' : 'row', role: 'row', 'data-trial': name, style: `top:${(first + i) * kRowHeight}px`,
-        click: (event) => select(name, (event as MouseEvent).detail === 2),   // the second click of two falls on a row drawn anew
-      }, ...shownColumns.map((key) => cell(key, row)));
-    }));
+    const chosen = state.get('trial');
+    const keep = new Set(seen);
+    for (const [row, line] of drawn) {
+      if (keep.has(row)) continue;
+      line.remove();
+      drawn.delete(row);
+    }
+    let next = rowsBox.firstChild;
+    seen.forEach((row, i) => {
+      let line = drawn.get(row);
+      if (line === undefined) drawn.set(row, line = newLine(row));
+      line.style.top = `${(first + i) * kRowHeight}px`;
+      line.classList.toggle('chosen', line.dataset['trial'] === chosen);
+      if (line === next) next = next.nextSibling;
+      else rowsBox.insertBefore(line, next);
+    });
+  };
+  /** Words or colours of rows have changed. */
+  const forget = (): void => {
+    drawn.clear();
+    replace(rowsBox);
   };
 
   const drawHead = (): void => {
@@ -106,6 +127,7 @@ export function trials(model: Model): HTMLElement {
     scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 96}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
     scroller.style.setProperty('--total', `${shownColumns.reduce((sum, key) => sum + (kWidths[key] ?? 96) + 14, 16)}px`);
     drawHead();
+    forget();
     refresh();
   };
 
@@ -169,7 +191,7 @@ export function trials(model: Model): HTMLElement {
   fillControls();
   requestAnimationFrame(settle);
   onView(() => { fillControls(); settle(); });
-  onTheme(() => { draw(); showDetail(state.get('trial')); });
+  onTheme(() => { forget(); draw(); showDetail(state.get('trial')); });
   state.listen(['outcome', 'who', 'q', 'sort'], (changed) => {
     if (changed.has('outcome') || changed.has('who')) fillControls();
     if (changed.has('sort')) drawHead();
