@@ -189,7 +189,7 @@ void PartRows(benchmark::State& state) {
 }
 BENCHMARK(PartRows)->Arg(0)->Arg(10)->Arg(40)->ArgName("objects");
 
-void solve(benchmark::State& state, SolverKind kind) {
+void PartSolve(benchmark::State& state) {
   const ControllerParams params = preset("holistic");
   const Drive drive(params, static_cast<int>(state.range(0)));
   ControllerCore controller(frankie(), params, 0.02);
@@ -201,7 +201,7 @@ void solve(benchmark::State& state, SolverKind kind) {
     controller.step(o, r);
     if (r.status == StepStatus::kSolved) problems.push_back(controller.problem());
   }
-  const auto solver = make_solver(kind);
+  const auto solver = make_solver();
   solver->allocate(problems[0].n(), problems[0].capacity());
   QpSolution solution;
   solution.allocate(problems[0].n(), problems[0].capacity());
@@ -215,18 +215,7 @@ void solve(benchmark::State& state, SolverKind kind) {
   state.counters["iterations"] = iterations / static_cast<double>(state.iterations());
   state.counters["failed"] = failed / static_cast<double>(state.iterations());
 }
-
-[[maybe_unused]] const bool kRegistered = [] {
-  for (const SolverKind kind : available_solvers()) {
-    benchmark::RegisterBenchmark(("PartSolve/" + std::string(to_string(kind))).c_str(),
-                                 [kind](benchmark::State& state) { solve(state, kind); })
-        ->Arg(0)
-        ->Arg(10)
-        ->Arg(40)
-        ->ArgName("objects");
-  }
-  return true;
-}();
+BENCHMARK(PartSolve)->Arg(0)->Arg(10)->Arg(40)->ArgName("objects");
 
 }  // namespace
 }  // namespace moma

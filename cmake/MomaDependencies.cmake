@@ -1,4 +1,4 @@
-# Packages from Debian, and from the wheels of .venv (coal, qpOASES, eiquadprog and the Boost they bring).
+# Packages from Debian, and from the wheels of .venv (coal and the Boost that it brings; QP solvers of the tests).
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 
@@ -8,11 +8,7 @@ if(MOMA_WHEEL_PREFIX)
 endif()
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(urdfdom REQUIRED)
-if(NOT urdfdom_VERSION)  # Debian's package does not say it
-  pkg_check_modules(urdfdom_pc QUIET urdfdom)
-  set(urdfdom_VERSION "${urdfdom_pc_VERSION}")
-endif()
+pkg_check_modules(tinyxml REQUIRED tinyxml)
 # coalConfig looks for Boost by the old module, which warns that it is newer than CMake.
 set(Boost_NO_WARN_NEW_VERSIONS ON)
 find_package(coal 3.0.3 REQUIRED)
@@ -31,8 +27,6 @@ if(MOMA_BUILD_EVALUATION)
   pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
   find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 endif()
-find_package(eiquadprog QUIET)
-find_package(qpOASES QUIET)
 
 # moma_link_packaged(TARGET NAME LIBRARY): links LIBRARY in the build; what is installed links moma::NAME, which
 # momaConfig.cmake makes of the copy in the installed prefix, or of the package that is on the system.
@@ -56,6 +50,9 @@ set_target_properties(moma_daqp PROPERTIES UNITY_BUILD OFF)
 if(MOMA_BUILD_TESTS)
   find_package(GTest REQUIRED)
   find_package(rapidcheck REQUIRED)
+  # Two more QP solvers, oracles of tests where they are installed.
+  find_package(eiquadprog QUIET)
+  find_package(qpOASES QUIET)
 endif()
 if(MOMA_BUILD_BENCH)
   find_package(benchmark REQUIRED)

@@ -20,17 +20,11 @@ foreach(component program library)
           COMPONENT ${component})
 endforeach()
 
-# coal and the optional solvers live in a Python wheel's prefix, which no loader and no search knows and which may go with
+# coal lives in a Python wheel's prefix, which no loader and no search knows and which may go with
 # the checkout: what is used of it is copied into the installed prefix, with all that it needs from there. The folder is
 # called lib because the wheels' libraries look for each other in $ORIGIN/../lib.
 set(MOMA_WHEEL_LIBDIR "${CMAKE_INSTALL_LIBDIR}/moma/lib")
 set(MOMA_PACKAGES coal)
-if(qpOASES_FOUND)
-  list(APPEND MOMA_PACKAGES qpOASES)
-endif()
-if(eiquadprog_FOUND)
-  list(APPEND MOMA_PACKAGES eiquadprog)
-endif()
 if(MOMA_WHEEL_PREFIX)
   set(libraries "")
   foreach(package IN LISTS MOMA_PACKAGES)

@@ -36,7 +36,8 @@ bool finite(const std::optional<ObjectCovariance>& covariance) noexcept {
 
 }  // namespace
 
-ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, ControllerParams params, double control_period)
+ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, ControllerParams params, double control_period,
+                               SolverMaker make_qp_solver)
     : model_(not_null(std::move(model))),
       params_(checked(std::move(params), *model_, control_period)),
       control_period_(control_period),
@@ -49,7 +50,7 @@ ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, Controll
       assessment_(model_, params_),
       poser_(model_, params_, control_period),
       policy_(make_policy({model_, params_, poser_, escape_, lookahead_.get()})),
-      fallback_(params_.solver, params_.collision.relaxation),
+      fallback_(make_qp_solver, params_.collision.relaxation),
       guards_(make_guards(model_, params_, control_period)) {
   answer_.command = VectorX::Zero(model_->num_velocities());
   reset({});

@@ -28,7 +28,8 @@ class Lookahead;
 /// installed. Accessors describe the last step; those marked "allocates" are for inspection.
 class ControllerCore final : public StepController {
  public:
-  ControllerCore(std::shared_ptr<const RobotModel> model, ControllerParams params, double control_period);
+  ControllerCore(std::shared_ptr<const RobotModel> model, ControllerParams params, double control_period,
+                 SolverMaker make_qp_solver = &make_solver);
   ~ControllerCore() override;
 
   void reset(std::span<const ObjectShape> objects) override;

@@ -26,8 +26,9 @@ constexpr auto words(Of<JointLimitMethod>) {
   return std::to_array<std::string_view>({"source", "damper", "braking", "none"});
 }
 
-enum class SolverKind { kDaqp, kQpoases, kEiquadprog };
-constexpr auto words(Of<SolverKind>) { return std::to_array<std::string_view>({"daqp", "qpoases", "eiquadprog"}); }
+/// One word; the text of a controller, and so the key of a stored trial, names it.
+enum class SolverKind { kDaqp };
+constexpr auto words(Of<SolverKind>) { return std::to_array<std::string_view>({"daqp"}); }
 
 enum class ServoError { kRotationVector, kRpy };
 constexpr auto words(Of<ServoError>) { return std::to_array<std::string_view>({"rotation_vector", "rpy"}); }

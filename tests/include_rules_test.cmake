@@ -25,7 +25,7 @@ set(rules
   "controller/(model|task|qp|solver|closed_form|case)|controller/(fit|draft)/|-|robots are described before there is a controller"
   "controller/(fit|draft)|controller/(task|qp|solver|closed_form|case|controller(_core)?)[./]|-|describing a robot needs no controller"
   "(world|eval|plugin|examples)|controller/controller_core|eval/trial/trial_detail\\.cc|a controller is used by its public face, and what looks into one is named here"
-  "controller|(fmt|spdlog|CLI|SQLiteCpp|omp)[/.]|controller/(fit|draft)/.*|the controller depends on Eigen, urdfdom, coal and its QP solver only"
+  "controller|(fmt|spdlog|CLI|SQLiteCpp|omp)[/.]|controller/(fit|draft)/.*|the controller depends on Eigen, TinyXML, coal and its QP solver only"
   "controller|nlohmann/|controller/(config|case)/|JSON belongs to the controller's file formats"
   "world|(controller/(task|qp|solver|closed_form|policy|guard|case)/|eval/|reports/)|-|worlds see the robot, never the controller or the evaluation"
   "eval/(stats|risk|search)|(controller/model|world|plugin|eval/(trial|suite|batch|store|tune|run|cli))/|-|statistics, rare events and the search for gains know no robot, no trial and no store"
@@ -55,11 +55,11 @@ set(rules
   ".*|(sqlite3|SQLiteCpp/)|((tests/)?eval/store|(tests/)?reports|tests/fuzz/store|tests/eval/cli_(look|mistakes|tamper|workers))[/_.].*|SQLite belongs to the store and the reports"
   ".*|nlopt\\.|((tests/)?eval/search[/_].*|controller/fit/.*)|NLopt belongs to eval/search and controller/fit"
   ".*|mpi\\.h|(tests/)?eval/batch[/_].*|MPI belongs to eval/batch"
-  ".*|(urdf|urdf_parser|urdf_model)/|controller/.*|URDFs are read by the controller's library"
+  ".*|tinyxml\\.h|controller/model/.*|XML is read by controller/model"
   ".*|coal/|((tests/)?controller/.*|tests/support/coal_.*)|distances come from controller/model"
   ".*|(api|auxiliary|avi|bnb|constants|daqp|daqp_prox|eq_elim|factorization|hierarchical|presolve|types|utils)\\.h|controller/solver/[a-z_]*daqp[a-z_]*\\.(h|cc)|DAQP is known to its adapter only"
-  ".*|qpOASES|controller/solver/[a-z_]*qpoases[a-z_]*\\.(h|cc)|qpOASES is known to its adapter only"
-  ".*|eiquadprog/|controller/solver/[a-z_]*eiquadprog[a-z_]*\\.(h|cc)|eiquadprog is known to its adapter only"
+  ".*|qpOASES|tests/support/solver_qpoases\\.cc|qpOASES is known to its adapter only"
+  ".*|eiquadprog/|tests/support/solver_eiquadprog\\.cc|eiquadprog is known to its adapter only"
 )
 
 function(split_rule rule)
@@ -154,7 +154,7 @@ set(samples
   "python/bindings/a.cc=eval/run/evaluate.h" "controller/f.cc=python/bindings/robot.h" "reports/a.cc=controller/step.h" "reports/b.cc=world/world.h" "controller/d.cc=tests/support/x.h"
   "eval/a.cc=tests/support/x.h" "eval/trial/b.cc=ode/ode.h" "world/c.cc=yaml-cpp/yaml.h" "eval/suite/a.cc=CLI/CLI.hpp"
   "eval/batch/a.cc=SQLiteCpp/SQLiteCpp.h" "eval/cli/a.cc=sqlite3.h" "eval/batch/b.cc=nlopt.hpp" "eval/cli/b.cc=mpi.h"
-  "world/d.cc=urdf_parser/urdf_parser.h" "world/e.cc=coal/distance.h" "tests/world/a.cc=coal/distance.h" "controller/solver/solver.cc=api.h"
+  "world/d.cc=tinyxml.h" "world/e.cc=coal/distance.h" "tests/world/a.cc=coal/distance.h" "controller/solver/solver.cc=api.h"
   "plugin/a.h=eval/trial/row.h" "controller/e.cc=plugin/moma_plugin.h" "eval/trial/c.cc=plugin/moma_plugin.h"
   "eval/stats/a.cc=eval/trial/row.h" "eval/risk/a.cc=eval/store/writer.h" "eval/search/a.cc=world/world.h" "eval/search/b.cc=eval/tune/tuning.h"
   "eval/trial/d.cc=eval/suite/suite.h" "eval/identify/a.cc=eval/trial/spec.h" "eval/suite/c.h=eval/batch/batch.h" "eval/batch/c.cc=eval/store/writer.h"

@@ -2,8 +2,9 @@
 
 namespace moma {
 
-CaseStep::CaseStep(const ControlCase& control_case)
-    : given(control_case), controller(control_case.robot.model, control_case.controller, control_case.control_period) {
+CaseStep::CaseStep(const ControlCase& control_case, SolverMaker make_qp_solver)
+    : given(control_case),
+      controller(control_case.robot.model, control_case.controller, control_case.control_period, make_qp_solver) {
   controller.reset(control_case.objects);
   ControllerMemory memory;
   controller.get_memory(memory);

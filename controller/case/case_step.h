@@ -7,7 +7,7 @@ namespace moma {
 
 /// A case's controller right after its one step, and the result of that step.
 struct CaseStep {
-  explicit CaseStep(const ControlCase& control_case);
+  explicit CaseStep(const ControlCase& control_case, SolverMaker make_qp_solver = &make_solver);
 
   /// False for closed-form methods, and where the command brakes: there is no solution to show or to check.
   bool has_solution() const { return controller.params().method == Method::kQp && result.fallback != Fallback::kBrake; }

@@ -12,7 +12,7 @@ namespace {
 // Whether some x meets the constraints that are kept: the smallest such x is looked for.
 class FeasibilityCheck {
  public:
-  explicit FeasibilityCheck(const QpProblem& problem) : given_(&problem), solver_(make_solver(SolverKind::kDaqp)) {
+  explicit FeasibilityCheck(const QpProblem& problem) : given_(&problem), solver_(make_solver()) {
     part_.allocate(problem.n(), std::max(problem.rows, 1));
     solution_.allocate(problem.n(), std::max(problem.rows, 1));
     solver_->allocate(problem.n(), std::max(problem.rows, 1));

@@ -6,7 +6,6 @@
 #include "controller/case/case_step.h"
 #include "controller/case/plan_case.h"
 #include "controller/config/write_described.h"
-#include "controller/solver/solver.h"
 
 namespace moma {
 namespace {
@@ -129,17 +128,6 @@ std::string layout(const nlohmann::ordered_json& solution) {
     out += rows + "\n ]";
   }
   return out + "\n}\n";
-}
-
-std::vector<SolverInfo> list_solvers() {
-  std::vector<SolverInfo> out{
-      {"daqp", false, "DAQP: dual active set, no allocation in a step; the default"},
-      {"qpoases", false, "qpOASES with its 'reliable' options, cold started: slow, for cross-checks; allocates"},
-      {"eiquadprog", false, "eiquadprog (Goldfarb-Idnani): every weight must be above zero; for cross-checks"},
-  };
-  for (const SolverKind kind : available_solvers())
-    for (SolverInfo& info : out) info.available = info.available || info.name == to_string(kind);
-  return out;
 }
 
 }  // namespace moma

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include <string>
-#include <vector>
 
 #include "controller/case/case_file.h"
 
@@ -27,15 +26,6 @@ std::string layout(const nlohmann::ordered_json& solution);
 /// The same step in words: constraints that hold the command, a minimal set of rows that make the problem infeasible,
 /// the dominating term of the cost, near objects and singularities.
 std::string explain(const ControlCase& control_case);
-
-struct SolverInfo {
-  std::string name;        ///< as `solver:` of a controller file takes it
-  bool available = false;  ///< built in
-  std::string description;
-};
-
-/// Every solver known by name, the default first.
-std::vector<SolverInfo> list_solvers();
 
 /// Predicts the robot of a case for `seconds` [s] > 0 and says why it stops: the controller is rolled out in a model of
 /// the world (ahead/rollout.h). The text has a line for each half second and for each event.

@@ -10,18 +10,9 @@
 #include "controller/config/text_file.h"
 #include "controller/config/write_described.h"
 #include "controller/params_described.h"
-#include "controller/solver/solver.h"
 
 namespace moma::config {
 namespace {
-
-void check_solver(const Node& root, const std::string& key, SolverKind solver) {
-  const std::vector<SolverKind> built = available_solvers();
-  if (std::find(built.begin(), built.end(), solver) != built.end()) return;
-  MapReader(root, key).fail_at("solver", "found '" + std::string(to_string(solver)) +
-                                             "', which this build was made without; it has " +
-                                             joined(built, to_string<SolverKind>));
-}
 
 // The place of the deepest part of a dotted key that was written.
 Mark mark_of(const Node& root, const std::string& key) {
@@ -55,7 +46,6 @@ ControllerParams read_controller(const Node& node, const std::string& key, const
   }
   ControllerParams params;
   read_described(node, key, params, {model.num_joints(), model.num_velocities()});
-  check_solver(node, key, params.solver);
   params = resolved(std::move(params), model);
   for (const ParamsIssue& issue : check_params(params, model, control_period)) {
     const std::string full = key.empty() ? issue.key : key + "." + issue.key;

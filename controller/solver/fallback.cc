@@ -31,10 +31,8 @@ void StepCounters::count(StepStatus status, Fallback fallback, int left_out) noe
   rows_left_out += left_out;
 }
 
-FallbackSolver::FallbackSolver(SolverKind kind, Relaxation relaxation)
-    : solver_(make_solver(kind)),
-      relaxed_solver_(make_solver(kind)),
-      slacks_(relaxation == Relaxation::kBackup ? 2 : 1) {}
+FallbackSolver::FallbackSolver(SolverMaker make, Relaxation relaxation)
+    : solver_(make()), relaxed_solver_(make()), slacks_(relaxation == Relaxation::kBackup ? 2 : 1) {}
 
 void FallbackSolver::allocate(int num_variables, int max_rows) {
   solver_->allocate(num_variables, max_rows);

@@ -19,7 +19,7 @@ namespace moma {
 /// With Relaxation::kBackup, stage 3 has two slacks. With u_b the smallest command within the stage's bounds, rows of
 /// resting objects, floor and self give way by s g_r / max g, g_r = max(0, c_r u_b - zeta_r), s >= 0 at cost 1/2 1e6
 /// s^2: full braking, s = max g, is a solution. Rows of moving objects and separation rows share the other slack.
-/// allocate() sizes every workspace for the largest stage; solve() does not allocate with a real-time safe solver.
+/// allocate() sizes every workspace for the largest stage; solve() does not allocate with DAQP.
 class FallbackSolver {
  public:
   struct Outcome {
@@ -35,7 +35,7 @@ class FallbackSolver {
     }
   };
 
-  explicit FallbackSolver(SolverKind kind, Relaxation relaxation = Relaxation::kCommon);
+  explicit FallbackSolver(SolverMaker make, Relaxation relaxation = Relaxation::kCommon);
 
   void allocate(int num_variables, int max_rows);
 

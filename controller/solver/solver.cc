@@ -2,15 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 namespace moma {
-
-// Each in its own file, solver_NAME.cc; the last two where this build has them.
-std::unique_ptr<QpSolver> make_daqp();
-std::unique_ptr<QpSolver> make_qpoases();
-std::unique_ptr<QpSolver> make_eiquadprog();
 
 namespace {
 
@@ -91,37 +84,6 @@ StepStatus QpSolver::solve(const QpProblem& problem, const Box& box, QpSolution&
   const StepStatus status = do_solve(problem, box, solution);
   if (status != StepStatus::kSolved) return status;
   return accept_output(problem, box, solution.x) ? StepStatus::kSolved : StepStatus::kMaxIterations;
-}
-
-std::vector<SolverKind> available_solvers() {
-  return {
-      SolverKind::kDaqp,
-#ifdef MOMA_HAVE_QPOASES
-      SolverKind::kQpoases,
-#endif
-#ifdef MOMA_HAVE_EIQUADPROG
-      SolverKind::kEiquadprog,
-#endif
-  };
-}
-
-std::unique_ptr<QpSolver> make_solver(SolverKind kind) {
-  switch (kind) {
-    case SolverKind::kDaqp:
-      return make_daqp();
-#ifdef MOMA_HAVE_QPOASES
-    case SolverKind::kQpoases:
-      return make_qpoases();
-#endif
-#ifdef MOMA_HAVE_EIQUADPROG
-    case SolverKind::kEiquadprog:
-      return make_eiquadprog();
-#endif
-    default:
-      break;
-  }
-  throw std::invalid_argument("the solver " + std::string(to_string(kind)) + " is not in this build; it has " +
-                              joined(available_solvers(), to_string<SolverKind>));
 }
 
 }  // namespace moma

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "controller/params.h"
 #include "controller/qp/problem.h"
@@ -43,9 +42,6 @@ class QpSolver {
   StepStatus solve(const QpProblem& problem, QpSolution& solution) noexcept;
   StepStatus solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept;
 
-  /// True if solve() neither allocates nor locks (qpOASES does both; it serves cross-checks).
-  virtual bool real_time_safe() const noexcept = 0;
-
  protected:
   virtual void do_allocate(int num_variables, int max_rows) = 0;
   virtual StepStatus do_solve(const QpProblem& problem, const Box& box, QpSolution& solution) noexcept = 0;
@@ -57,9 +53,9 @@ class QpSolver {
   int max_rows_ = 0;
 };
 
-/// Returns the solvers of this build; DAQP always.
-std::vector<SolverKind> available_solvers();
-/// Throws std::invalid_argument with the available solvers if `kind` was not built.
-std::unique_ptr<QpSolver> make_solver(SolverKind kind);
+using SolverMaker = std::unique_ptr<QpSolver> (*)();
+
+/// Makes a solver of this library: DAQP, whose solve() neither allocates nor locks.
+std::unique_ptr<QpSolver> make_solver();
 
 }  // namespace moma

@@ -13,12 +13,9 @@ namespace moma {
 
 namespace {
 
-/// DAQP (Arnstrom, Bemporad, Axehill, IEEE TAC 67(8), 2022), a dual active-set method. Default: the fastest on this
-/// problem, finds every infeasibility and takes no memory once allocated.
+/// DAQP (Arnstrom, Bemporad, Axehill, IEEE TAC 67(8), 2022), a dual active-set method: the fastest on this problem,
+/// finds every infeasibility and takes no memory once allocated.
 class DaqpSolver : public QpSolver {
- public:
-  bool real_time_safe() const noexcept override { return true; }
-
  protected:
   void do_allocate(int num_variables, int max_rows) override {
     state_ = std::make_unique<State>();
@@ -131,6 +128,6 @@ class DaqpSolver : public QpSolver {
 
 }  // namespace
 
-std::unique_ptr<QpSolver> make_daqp() { return std::make_unique<DaqpSolver>(); }
+std::unique_ptr<QpSolver> make_solver() { return std::make_unique<DaqpSolver>(); }
 
 }  // namespace moma

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <iostream>
 
 #include "controller/case/case_file.h"
@@ -17,7 +15,6 @@ struct SolveOptions {
   std::string trial;
   long step = 0;
   bool explain = false;
-  bool solvers = false;
   double ahead = 0.0;
 };
 
@@ -28,12 +25,6 @@ ControlCase case_of(const SolveOptions& options) {
 }
 
 int solve_case(const SolveOptions& options) {
-  if (options.solvers) {
-    for (const SolverInfo& solver : list_solvers())
-      fmt::print("{:<12}{:<14}{}\n", solver.name, solver.available ? "available" : "not built in", solver.description);
-    return kOk;
-  }
-  if (options.file.empty()) throw UsageError("solve: CASE is required; see moma solve --help");
   const ControlCase control_case = case_of(options);
   if (options.explain && options.ahead <= 0.0) {
     std::cout << explain(control_case);  // the warnings are part of the explanation
@@ -49,19 +40,21 @@ int solve_case(const SolveOptions& options) {
 void add_solve(Commands& commands) {
   auto [command, options] = commands.add<SolveOptions>(
       "solve", "One control step: every matrix of the QP and its solution, as JSON", &solve_case);
-  command.add_option("CASE", options.file,
-                     "Case file (JSON; its format is in docs/explanation/controller.md), or a store");
+  command
+      .add_option("CASE", options.file, "Case file (JSON; its format is in docs/explanation/controller.md), or a store")
+      ->required();
   CLI::Option* trial =
-      command.add_option("TRIAL", options.trial, "Of a store: the trial, any unique beginning of it, or POINT/WORLD");
-  command.add_option("--step", options.step, "Of a stored trial: which control step, from 0")
+      command.add_option("TRIAL", options.trial, "Trial of the store: a unique beginning of its key, or POINT/WORLD");
+  command.add_option("--step", options.step, "Control step of the trial, from 0")
       ->needs(trial)
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command.add_flag("--explain", options.explain, "In words: what holds the command, why it is infeasible");
+  command.add_flag("--explain", options.explain,
+                   "Explains in words which constraints hold the command, or why the QP is infeasible");
   command
-      .add_option("--ahead", options.ahead, "In words: what the robot will do in so many seconds, and why it will stop")
+      .add_option("--ahead", options.ahead,
+                  "Predicts the robot's motion for so many seconds, in words, and why it stops")
       ->check(CLI::Range(1e-3, 3600.0));
-  command.add_flag("--solvers", options.solvers, "Lists the QP solvers by name, and which of them are built in");
   command.footer(
       "An infeasible problem is an answer, not an error.\n"
       "Examples: moma solve tests/data/qp_cases/cases/frankie_119.json --explain\n"

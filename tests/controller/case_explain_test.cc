@@ -9,7 +9,7 @@
 #include "controller/case/case_step.h"
 #include "controller/case/infeasible_set.h"
 #include "controller/case/solve.h"
-#include "controller/solver/solver.h"
+#include "tests/support/solvers.h"
 
 namespace moma {
 namespace {
@@ -43,7 +43,7 @@ QpProblem restricted(const QpProblem& p, const std::vector<ConstraintId>& kept) 
 
 // Another solver than the one the search uses, where there is one.
 StepStatus feasibility(const QpProblem& p) {
-  const auto solver = make_solver(available_solvers().back());
+  const auto solver = test::solvers().back().make();
   QpSolution solution;
   solution.allocate(p.n(), p.capacity());
   solver->allocate(p.n(), p.capacity());
@@ -147,13 +147,6 @@ TEST(CaseExplain, LayoutIsTheSameJson) {
   const std::string text = layout(json);
   EXPECT_EQ(nlohmann::ordered_json::parse(text), json);
   EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 150);
-}
-
-TEST(CaseExplain, SolversAreListedDefaultFirst) {
-  const auto solvers = list_solvers();
-  ASSERT_FALSE(solvers.empty());
-  EXPECT_EQ(solvers.front().name, "daqp");
-  EXPECT_TRUE(solvers.front().available);
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 
 #include "controller/case/case_step.h"
 #include "controller/case/solve.h"
-#include "controller/solver/solver.h"
 #include "tests/support/kkt.h"
+#include "tests/support/solvers.h"
 
 namespace moma {
 namespace {
@@ -173,15 +173,13 @@ TEST_P(QpCase, Solution) {
 }
 
 TEST_P(QpCase, EverySolverAgrees) {
-  for (const SolverInfo& solver : list_solvers()) {
-    if (!solver.available) continue;
-    for (const SolverKind kind : {SolverKind::kDaqp, SolverKind::kQpoases, SolverKind::kEiquadprog})
-      if (solver.name == to_string(kind)) given_.controller.solver = kind;
-    const Json other = solve(given_);
-    EXPECT_EQ(other["status"], solved_["status"]) << solver.name;
-    EXPECT_EQ(other["fallback"], solved_["fallback"]) << solver.name;
-    EXPECT_NEAR(other["cost"].get<double>(), solved_["cost"].get<double>(), 1e-6) << solver.name;
-    EXPECT_LT(other["kkt_residual"].get<double>(), 1e-6) << solver.name;
+  const CaseStep daqp(given_);
+  for (const test::NamedSolver& solver : test::solvers()) {
+    const CaseStep other(given_, solver.make);
+    EXPECT_EQ(other.result.status, daqp.result.status) << solver.name;
+    EXPECT_EQ(other.result.fallback, daqp.result.fallback) << solver.name;
+    EXPECT_NEAR(other.controller.cost(), daqp.controller.cost(), 1e-6) << solver.name;
+    EXPECT_LT(other.controller.kkt_residual(), 1e-6) << solver.name;
   }
 }
 

@@ -4,18 +4,16 @@
 
 #include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
+#include "tests/support/solvers.h"
 
 namespace moma {
 namespace {
 
 using namespace test;
 
-class Fallbacks : public ::testing::TestWithParam<SolverKind> {
+class Fallbacks : public ::testing::TestWithParam<NamedSolver> {
  protected:
   void SetUp() override {
-    const std::vector<SolverKind> built = available_solvers();
-    if (std::find(built.begin(), built.end(), GetParam()) == built.end()) GTEST_SKIP() << "not built";
-    params_.solver = GetParam();
     params_.collision.floor.enabled = false;
     params_.collision.self.enabled = false;
     observation_.q = model_->ready;
@@ -36,7 +34,7 @@ class Fallbacks : public ::testing::TestWithParam<SolverKind> {
     observation_.objects[0].V_WO_W.tail<3>() = Vector3(-speed, 0, 0);
   }
   const StepResult& step() {
-    controller_ = std::make_unique<ControllerCore>(model_, params_, 0.02);
+    controller_ = std::make_unique<ControllerCore>(model_, params_, 0.02, GetParam().make);
     controller_->reset(shapes_);
     controller_->prepare(result_);
     controller_->step(observation_, result_);
@@ -152,9 +150,8 @@ TEST_P(Fallbacks, DamperBeyondItsStopStillBrakesInsideItsBounds) {
   EXPECT_EQ(result_.command[3], controller_->problem().ub[3]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Solvers, Fallbacks,
-                         ::testing::Values(SolverKind::kDaqp, SolverKind::kQpoases, SolverKind::kEiquadprog),
-                         [](const auto& solver) { return std::string(to_string(solver.param)); });
+INSTANTIATE_TEST_SUITE_P(Solvers, Fallbacks, ::testing::ValuesIn(solvers()),
+                         [](const auto& solver) { return solver.param.name; });
 
 TEST(Braking, ClipsZeroIntoAnyBounds) {
   EXPECT_EQ(braking(-1, 1), 0.0);

@@ -4,6 +4,7 @@
 
 #include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
+#include "tests/support/solvers.h"
 
 namespace moma {
 namespace {
@@ -95,25 +96,24 @@ TEST(ControllerKkt, OptimalOverRandomStatesAndGains) {
 
 TEST(ControllerKkt, SolversAgree) {
   Rng rng(2);
-  const std::vector<SolverKind> kinds = available_solvers();
-  if (kinds.size() < 2) GTEST_SKIP() << "only DAQP is built";
+  const std::vector<NamedSolver> all = solvers();
+  if (all.size() < 2) GTEST_SKIP() << "only DAQP is installed";
   int compared = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const auto model = built_robots()[rng() % 3];
-    ControllerParams p = random_params(*model, rng);
+    const ControllerParams p = random_params(*model, rng);
     const std::vector<ObjectShape> shapes = random_objects(rng, rng() % 8);
     const Observation o = random_observation(*model, shapes.size(), rng);
     double cost = 0.0;
     StepResult first;
-    for (std::size_t k = 0; k < kinds.size(); ++k) {
-      p.solver = kinds[k];
-      ControllerCore c(model, p, 0.02);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      ControllerCore c(model, p, 0.02, all[k].make);
       c.reset(shapes);
       StepResult r;
       c.prepare(r);
       c.step(o, r);
       const std::string where =
-          std::string("trial ") + std::to_string(trial) + " " + std::string(to_string(kinds[k])) + " on " + model->name;
+          std::string("trial ") + std::to_string(trial) + " " + all[k].name + " on " + model->name;
       if (k == 0) {
         first = r;
         cost = c.cost();

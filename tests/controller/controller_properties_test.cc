@@ -10,6 +10,7 @@
 #include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
 #include "tests/support/control_period.h"
+#include "tests/support/solvers.h"
 
 namespace moma {
 namespace {
@@ -94,10 +95,8 @@ struct Stepped {
   StepResult result;
 };
 
-Stepped step(const Drawn& d, SolverKind solver = SolverKind::kDaqp) {
-  ControllerParams p = d.params;
-  p.solver = solver;
-  Stepped s{std::make_unique<ControllerCore>(d.model, p, kPeriod), {}};
+Stepped step(const Drawn& d, SolverMaker make = &make_solver) {
+  Stepped s{std::make_unique<ControllerCore>(d.model, d.params, kPeriod, make), {}};
   s.controller->reset(d.shapes);
   s.controller->prepare(s.result);
   s.controller->step(d.seen, s.result);
@@ -113,8 +112,8 @@ std::string describe(const Drawn& d, const Stepped& s) {
 }
 
 bool no_other_solves(const Drawn& d) {
-  for (const SolverKind kind : available_solvers())
-    if (step(d, kind).result.status == StepStatus::kSolved) return false;
+  for (const NamedSolver& solver : solvers())
+    if (step(d, solver.make).result.status == StepStatus::kSolved) return false;
   return true;
 }
 
@@ -156,15 +155,15 @@ TEST(ControllerProperties, SolvedStepsAreOptimalAndEveryCommandIsWithinItsBounds
 
 TEST(ControllerProperties, AllSolversFindTheSameCost) {
   ASSERT_TRUE(kSeeded);
-  const std::vector<SolverKind> kinds = available_solvers();
-  if (kinds.size() < 2) GTEST_SKIP() << "only DAQP is built";
+  const std::vector<NamedSolver> all = solvers();
+  if (all.size() < 2) GTEST_SKIP() << "only DAQP is installed";
   EXPECT_TRUE(rc::check([&] {
     const Drawn d = draw();
-    const Stepped first = step(d, kinds[0]);
-    for (std::size_t k = 1; k < kinds.size(); ++k) {
-      const Stepped other = step(d, kinds[k]);
-      RC_LOG() << to_string(kinds[0]) << ": " << describe(d, first) << "\n"
-               << to_string(kinds[k]) << ": " << describe(d, other) << std::endl;
+    const Stepped first = step(d, all[0].make);
+    for (std::size_t k = 1; k < all.size(); ++k) {
+      const Stepped other = step(d, all[k].make);
+      RC_LOG() << all[0].name << ": " << describe(d, first) << "\n"
+               << all[k].name << ": " << describe(d, other) << std::endl;
       const bool solved = first.result.status == StepStatus::kSolved;
       RC_ASSERT(solved == (other.result.status == StepStatus::kSolved));
       RC_ASSERT(other.result.fallback == first.result.fallback);

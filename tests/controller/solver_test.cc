@@ -5,6 +5,7 @@
 #include "controller/solver/fallback.h"
 #include "controller/solver/solver.h"
 #include "tests/controller/qp_robots.h"
+#include "tests/support/solvers.h"
 
 namespace moma {
 namespace {
@@ -53,18 +54,13 @@ Known known(Rng& rng, int n, int rows) {
   return k;
 }
 
-class Solvers : public ::testing::TestWithParam<SolverKind> {
+class Solvers : public ::testing::TestWithParam<NamedSolver> {
  protected:
-  void SetUp() override {
-    const std::vector<SolverKind> built = available_solvers();
-    if (std::find(built.begin(), built.end(), GetParam()) == built.end()) GTEST_SKIP() << "not built";
-    solver_ = make_solver(GetParam());
-  }
   void size(const QpProblem& p) {
     solver_->allocate(p.n(), p.capacity());
     solution_.allocate(p.n(), p.capacity());
   }
-  std::unique_ptr<QpSolver> solver_;
+  std::unique_ptr<QpSolver> solver_ = GetParam().make();
   QpSolution solution_;
 };
 
@@ -100,7 +96,7 @@ TEST_P(Solvers, SaysInfeasible) {
     size(p);
     const StepStatus status = solver_->solve(p, solution_);
     // eiquadprog gives up where equalities depend on each other, before it looks at the rest.
-    if (GetParam() == SolverKind::kEiquadprog && status == StepStatus::kMaxIterations) continue;
+    if (GetParam().name == "eiquadprog" && status == StepStatus::kMaxIterations) continue;
     EXPECT_EQ(status, StepStatus::kInfeasible) << "trial " << trial;
     ++found;
   }
@@ -116,7 +112,7 @@ TEST_P(Solvers, ReusedWorkspaceGivesTheSameBits) {
     k.problem.A.conservativeResize(23, 12);
     solution_.allocate(12, 23);
     const StepStatus status = solver_->solve(k.problem, solution_);
-    const auto fresh = make_solver(GetParam());
+    const auto fresh = GetParam().make();
     fresh->allocate(12, 23);
     QpSolution again;
     again.allocate(12, 23);
@@ -158,9 +154,8 @@ TEST_P(Solvers, RefusesWhatIsNotANumber) {
   EXPECT_EQ(solver_->solve(crossed, solution_), StepStatus::kInfeasible);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Solvers,
-                         ::testing::Values(SolverKind::kDaqp, SolverKind::kQpoases, SolverKind::kEiquadprog),
-                         [](const auto& solver) { return std::string(to_string(solver.param)); });
+INSTANTIATE_TEST_SUITE_P(All, Solvers, ::testing::ValuesIn(solvers()),
+                         [](const auto& solver) { return solver.param.name; });
 
 TEST(Daqp, FreeSlackIsSolvedToItsKnownAccuracy) {
   // lambda_delta = 0 leaves H singular; delta still follows from the tracking rows.
@@ -177,7 +172,7 @@ TEST(Daqp, FreeSlackIsSolvedToItsKnownAccuracy) {
     p.lbA = p.ubA = VectorX::NullaryExpr(6, [&] { return uniform(rng, -1, 1); });
     p.lb << VectorX::Constant(6, -2), VectorX::Constant(6, -kInfinity);
     p.ub = -p.lb;
-    const auto solver = make_solver(SolverKind::kDaqp);
+    const auto solver = make_solver();
     solver->allocate(n, rows);
     QpSolution s;
     s.allocate(n, rows);

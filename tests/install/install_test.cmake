@@ -52,7 +52,7 @@ foreach(file IN LISTS headers packages)
 endforeach()
 
 # What the prefix carries of other people's is there with its licence.
-foreach(wheel IN ITEMS coal:libcoal boost_filesystem:cmeel_boost eiquadprog:eiquadprog qpOASES:cmeel_qpoases)
+foreach(wheel IN ITEMS coal:libcoal boost_filesystem:cmeel_boost)
   string(REGEX REPLACE ":.*" "" library "${wheel}")
   string(REGEX REPLACE ".*:" "" wheel "${wheel}")
   file(GLOB_RECURSE carried "${prefix}/lib*/lib${library}.so*")

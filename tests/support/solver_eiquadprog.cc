@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "controller/solver/solver.h"
+#include "tests/support/solvers.h"
 
-namespace moma {
+namespace moma::test {
 namespace {
 
 // Rows whose limits are this close are equalities.
@@ -21,9 +21,6 @@ struct Side {
 /// eiquadprog-fast, the Goldfarb-Idnani dual method (Math. Prog. 27, 1983). It needs H > 0: weights of zero are refused
 /// as invalid input. It cannot tell an infeasible from an unbounded problem; with H > 0 both mean infeasible.
 class EiquadprogSolver : public QpSolver {
- public:
-  bool real_time_safe() const noexcept override { return true; }
-
  protected:
   void do_allocate(int num_variables, int max_rows) override {
     state_ = std::make_unique<State>();  // as QpProblem::allocate()
@@ -138,4 +135,4 @@ class EiquadprogSolver : public QpSolver {
 
 std::unique_ptr<QpSolver> make_eiquadprog() { return std::make_unique<EiquadprogSolver>(); }
 
-}  // namespace moma
+}  // namespace moma::test

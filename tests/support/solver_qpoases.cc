@@ -4,18 +4,14 @@
 #include <qpOASES.hpp>
 #include <vector>
 
-#include "controller/solver/solver.h"
+#include "tests/support/solvers.h"
 
-namespace moma {
-
+namespace moma::test {
 namespace {
 
 /// qpOASES (Ferreau et al., Math. Prog. Comp. 6(4), 2014) with its "Reliable" options, started cold: the reference for
-/// cross-checks. It takes memory and a process-wide lock in every solve: not meant for a control loop.
+/// cross-checks. It takes memory and a process-wide lock in every solve.
 class QpoasesSolver : public QpSolver {
- public:
-  bool real_time_safe() const noexcept override { return false; }
-
  protected:
   void do_allocate(int num_variables, int max_rows) override {
     const auto n = static_cast<std::size_t>(num_variables);
@@ -69,4 +65,4 @@ class QpoasesSolver : public QpSolver {
 
 std::unique_ptr<QpSolver> make_qpoases() { return std::make_unique<QpoasesSolver>(); }
 
-}  // namespace moma
+}  // namespace moma::test
