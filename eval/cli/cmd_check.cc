@@ -42,7 +42,7 @@ std::string points_text(const Suite& suite) {
   return controllers + (each > 1 ? fmt::format(" x {} sweep points", each) : std::string());
 }
 
-/// Of every robot: drives too weak for the arm, where physics asks them, and what reaches out of what can collide.
+/// Warns about each robot: drives too weak for the arm (with physics), visuals larger than the collision shapes.
 std::vector<std::string> robot_warnings(const Suite& suite, const std::filesystem::path& file) {
   std::vector<std::string> warnings;
   std::set<std::string> seen;
@@ -63,7 +63,7 @@ std::vector<std::string> robot_warnings(const Suite& suite, const std::filesyste
   return warnings;
 }
 
-/// How long a run would take.
+/// Predicts the duration of a run.
 std::string expected_time(const Suite& suite, double enough, run::WorldSurvey& survey) {
   const run::TrialTime time = run::trial_time(suite, enough, survey);
   const int cores = run::usual_threads();
@@ -77,8 +77,8 @@ using store::Cell;
 
 Cell whole(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
-/// How worlds are made, as tables. Times only where asked for: all else is the same every time. Nothing where no world
-/// had to be made.
+/// Prints tables of world generation: tries, reasons of rejections and, with `times`, durations, which alone differ
+/// from call to call. Prints nothing if no world was generated.
 void print_survey(const run::WorldSurvey& survey, bool times) {
   if (survey.tallies().empty()) return;
   store::QueryResult made{
@@ -170,11 +170,12 @@ int check(const CheckOptions& check_options) {
 void add_check(Commands& commands) {
   auto [command, options] = commands.add<CheckOptions>("check", "Validate a suite without running it", &check);
   options.suite.add_to(command);
-  command.add_flag("--no-time", options.no_time, "Runs no trials to say how long all will take");
-  command.add_option("--seconds", options.seconds, "For so long trials are run, to say how long all will take")
+  command.add_flag("--no-time", options.no_time, "Runs no trials to estimate the duration of a run");
+  command.add_option("--seconds", options.seconds, "Duration of the trials that estimate the duration of a run")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  command.add_option("--worlds", options.worlds, "Worlds that are made, to say why and how often tries are rejected")
+  command
+      .add_option("--worlds", options.worlds, "Number of worlds to generate, for rates and reasons of rejected tries")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command.footer("Example: moma check configs/suites/demo.yaml");

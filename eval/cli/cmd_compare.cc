@@ -34,7 +34,7 @@ struct CompareOptions {
 constexpr const char* kMetrics[] = {"time_to_goal_s", "manip_mean",  "clearance_min_m", "command_change_mean",
                                     "path_ee_m",      "path_base_m", "jerk_ee_rms"};
 
-/// What is compared of a trial beside its outcome: its columns and the suites' own metrics.
+/// Metrics to compare beside the outcome: columns of a trial and the suites' own metrics.
 std::vector<run::ComparedMetric> metrics_of(const CompareOptions& options) {
   std::vector<run::ComparedMetric> metrics;
   std::set<std::string> taken;
@@ -85,13 +85,13 @@ void print_metrics(const std::vector<stats::PairedMean>& metrics) {
   write(std::cout, table, Format::kTable);
 }
 
-/// The name as it was given, or the point's own.
+/// Returns the point's name, or the given one where it stands for several points.
 std::string name_of(const run::ComparedPoints& compared, bool of_a, const std::string& given) {
   const auto& [a, b] = compared.pairs.front();
   return compared.pairs.size() > 1 ? given : (of_a ? a : b).name();
 }
 
-/// The same as data.
+/// Prints the comparison as JSON.
 void print_as_json(const run::ComparedPoints& compared, const CompareOptions& options) {
   using nlohmann::ordered_json;
   const stats::Comparison& all = compared.comparison;
@@ -176,12 +176,14 @@ void add_compare(Commands& commands) {
       .add_option("A", options.a, "Controller (all its points), CONTROLLER:POINT of a sweep, @best or CONTROLLER@best")
       ->required();
   command.add_option("B", options.b, "The other one")->required();
-  command.add_option("--suite", options.suite, "Which suite, where several have both");
+  command.add_option("--suite", options.suite, "Suite, if several have both");
   command
       .add_option("--fail-if-worse", options.margin,
-                  "Exit 1 where B's success rate is lower than A's by more than this, e.g. 0.02")
+                  "Exit 1 if B's success rate is lower than A's by more than this, e.g. 0.02")
       ->check(CLI::Range(0.0, 1.0));
-  command.add_option("--difference", options.difference, "Says how many worlds show this difference of rates (0.05)")
+  command
+      .add_option("--difference", options.difference,
+                  "Difference of success for which the number of worlds is given (0.05)")
       ->check(CLI::Range(0.001, 0.999));
   command.add_flag("--json", options.json, "As one line of JSON");
   command.footer(fmt::format(

@@ -54,7 +54,7 @@ store::QueryResult trials(const fs::path& db) {
   return store::query(db, fmt::format("SELECT v.*{} FROM v_trials AS v ORDER BY suite, controller, point, world", own));
 }
 
-/// Known by how its head begins: the suites' own metrics come after that.
+/// Recognised by the beginning of its head, which the suites' own metrics follow.
 files::Kind kind_of(const std::string& name, const store::QueryResult& table) {
   std::string head;
   for (std::size_t i = 0; i < std::min<std::size_t>(table.columns.size(), 5); ++i) head += table.columns[i] + ",";

@@ -27,7 +27,7 @@
 namespace moma::cli {
 namespace {
 
-/// Where a robot's meshes are looked for.
+/// Search path of a robot's meshes.
 struct Place {
   config::PackagePaths packages;
   std::filesystem::path folder;
@@ -135,7 +135,7 @@ std::string notes_of(const std::filesystem::path& file) {
   }
 }
 
-/// What every command with a report page has. Has to outlive the page.
+/// Options of every command with a report page. They outlive the page.
 struct Page {
   reports::Stores stores;
   reports::ViewOptions report;

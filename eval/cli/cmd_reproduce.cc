@@ -122,14 +122,15 @@ void add_reproduce(Commands& commands) {
       ->required();
   options.suite.add_changes_to(command);
   command.add_option("--averaging", options.averaging,
-                     "What means are over: arrived, all (trials), or steps (of those that arrived)");
+                     "Trials that means are over: arrived, all, or steps (arrived ones by their numbers of steps)");
   command.add_option("--published", options.published, "File of the published figures (configs/published.yaml)");
   add_output_store(command, options.request.file);
   add_threads(command, options.request.threads);
   add_format(command, options.format);
   add_quiet(command, options.quiet);
   command.footer(
-      "What the papers leave open is in the suite's keys: --set changes them (docs/studies/reproduction.md).\n"
+      "Keys of the suite hold the values that the papers leave open: --set changes them "
+      "(docs/studies/reproduction.md).\n"
       "Example: moma reproduce mmc --set worlds.families.pairs.range=1");
 }
 

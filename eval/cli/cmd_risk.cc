@@ -36,13 +36,13 @@ void add_splitting(CLI::App& command, risk::SplittingOptions& splitting) {
       ->check(CLI::Range(10, 1000000));
   command
       .add_option("--replicates", splitting.replicates,
-                  fmt::format("Independent ones, whose spread gives the interval ({})", splitting.replicates))
+                  fmt::format("Independent replicates, whose spread gives the interval ({})", splitting.replicates))
       ->check(CLI::Range(2, 10000));
   command.add_option("--moves", splitting.moves, fmt::format("Moves of each copy ({})", splitting.moves))
       ->check(CLI::Range(1, 1000));
   command
       .add_option("--levels", splitting.levels,
-                  fmt::format("Most levels, each of which halves the probability ({})", splitting.levels))
+                  fmt::format("Largest number of levels, each of which halves the probability ({})", splitting.levels))
       ->check(CLI::Range(1, 1000));
   command.add_option("--split-seed", splitting.seed, "Seed of choices and moves (1)");
 }
@@ -183,11 +183,14 @@ void add_risk(Commands& commands) {
       .add_option("--until", options.request.until,
                   "Adds as many replicates again and again, until the interval's ends are within this factor")
       ->check(CLI::Range(1.01, 1e6));
-  command.add_option("--most", options.request.most, fmt::format("Most replicates ({})", options.request.most))
+  command
+      .add_option("--most", options.request.most,
+                  fmt::format("Largest number of replicates ({})", options.request.most))
       ->check(CLI::Range(2, 1000000))
       ->needs("--until");
-  command.add_option("--crude", options.request.crude,
-                     "Crude trials of each family beside it, the first worlds among them (as many as splitting took)");
+  command.add_option(
+      "--crude", options.request.crude,
+      "Crude trials of each family to compare with, the first worlds among them (as many as splitting took)");
   add_moved_trials_store(command, options.request.file);
   add_threads(command, options.request.threads);
   add_lost_after(command, options.lost_after);
@@ -210,7 +213,7 @@ void add_break(Commands& commands) {
   add_rare_event(command, options.event);
   command.add_option("--crude", options.request.crude, "Trials of each family that are looked at first (1000)")
       ->check(CLI::Range(1, 100000000));
-  command.add_option("--nearest", options.request.nearest, "Part of them whose noise is drawn again (0.01)")
+  command.add_option("--nearest", options.request.nearest, "Share of them whose noise is drawn again (0.01)")
       ->check(CLI::Range(0.0, 1.0));
   command.add_option("--noises", options.request.noises, "Times (40)")->check(CLI::Range(0, 100000));
   add_splitting(command, options.request.splitting);

@@ -112,7 +112,7 @@ std::string block(const fit::RobotFit& fit, const std::string& robot) {
          collision(fit);
 }
 
-/// A robot file is edited by hand: none gives way by itself.
+/// People edit robot files: none is overwritten without --force.
 const files::Kind& robot_file_kind() {
   static const files::Kind kind{"robot file", ""};
   return kind;
@@ -239,7 +239,7 @@ double total_mass(const RobotModel& model) {
   return mass;
 }
 
-/// What a robot file was read with, and what shows only when somebody looks.
+/// Returns the reader's warnings, and those of checks that this command alone makes.
 std::vector<std::string> all_warnings(const fs::path& file, const config::LoadedRobot& robot) {
   std::vector<std::string> all = robot.warnings;
   for (const auto& more : {run::holding_warnings(robot.model), run::wheel_warnings(*robot.model),
@@ -386,7 +386,8 @@ void add_robot(Commands& commands) {
       "--lenient", options.lenient,
       "Parts of the URDF that moma does not understand are left out with a warning; for other commands too, `lenient: "
       "true` in the robot file does the same");
-  command.add_option("--max-shapes", options.max_shapes, "Most shapes per link for its meshes and cylinders")
+  command
+      .add_option("--max-shapes", options.max_shapes, "Largest number of shapes per link for its meshes and cylinders")
       ->check(CLI::Range(1, 12))
       ->capture_default_str()
       ->needs(fit);

@@ -44,8 +44,8 @@ run::Shard read_shard(const std::string& text) {
   throw UsageError(fmt::format("run: --shard {}: expected I/N with 1 <= I <= N, for instance 2/8", text));
 }
 
-/// Where the time of trials went, a row for each part that took any. Milliseconds and microseconds are wall time of
-/// threads, so that other work on the machine lengthens all parts.
+/// Returns a table of the durations of a trial's parts, without parts that took no time. Milliseconds and microseconds
+/// are wall time of threads, so that other work on the machine lengthens all parts.
 void print_profile(const Profile& profile) {
   if (profile.trials == 0) {
     std::cout << "\nprofile: no trial was computed\n";
@@ -111,9 +111,9 @@ void add_run(Commands& commands) {
                      "I/N: part I of N (from 1), for N machines; 'moma merge' joins their stores");
   add_lost_after(command, options.lost_after);
   command.add_flag("--profile", options.request.profile,
-                   "Prints where the time of the trials went; results are the same");
+                   "Prints the durations of a trial's parts; results are the same");
   command.add_flag("--keep-going", options.request.keep_going,
-                   "Goes on where the first twenty trials of a controller all end by the same error");
+                   "Goes on if the first twenty trials of a controller all end by the same error");
   add_quiet(command, options.quiet);
   command.footer(
       "Trials that the store already holds are not computed again, so the same command goes on after a stop.\n"

@@ -49,7 +49,9 @@ void add_shrink(Commands& commands) {
   add_store(command, options.request.file);
   add_trial(command, options.request.trial);
   command.add_option("-o,--output", options.out, "Write the world there, for `worlds: {frozen: FILE}`");
-  command.add_option("--noises", options.request.noises, "Draws of the disturbances that a world is tried under (8)")
+  command
+      .add_option("--noises", options.request.noises,
+                  "Number of draws of the disturbances for each candidate world (8)")
       ->check(CLI::Range(1, 1000));
   add_force(command, options.replace);
   add_threads(command, options.request.threads);

@@ -37,7 +37,7 @@ void print(const tune::HeldOutVerdict& verdict) {
                            verdict.why.empty() ? "" : fmt::format(" (by {})", verdict.why));
 }
 
-/// How far a search is.
+/// Progress of a search.
 class TuneProgress {
  public:
   TuneProgress(StatusLine& line, std::string unit)

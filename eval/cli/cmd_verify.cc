@@ -63,7 +63,7 @@ void add_verify(Commands& commands) {
   command.add_option("--seed", options.request.seed, "Chooses other trials");
   command.add_option("--point", options.request.point,
                      "Replays trials of this controller alone: as in `moma compare`, @best too");
-  command.add_option("--suite", options.request.suite, "Which suite, where several have it");
+  command.add_option("--suite", options.request.suite, "Suite, if several have it");
   add_threads(command, options.request.threads);
   add_allow_plugins(command, options.request.plugins);
   command.add_flag("--hash", options.hash, "Print one hash over all results: equal hashes mean equal rows");

@@ -72,7 +72,7 @@ int complain(const std::string& message, int code) {
   return code;
 }
 
-/// Errors of what was asked for, and of what the system refused (files, threads); others are the program's own.
+/// True for errors of the input and of the system (files, threads). Any other error is the program's own.
 template <class... Errors>
 bool is_any(const std::exception& error) {
   return ((dynamic_cast<const Errors*>(&error) != nullptr) || ...);

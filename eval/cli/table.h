@@ -29,7 +29,7 @@ nlohmann::ordered_json rows_as_json(const store::QueryResult& result);
 /// Control characters, invalid UTF-8 and text direction marks become visible escapes: nothing that was stored can act
 /// on the terminal.
 std::string terminal_safe(std::string_view text);
-/// The same of a text of several lines, whose ends stay.
+/// Does so in each line of a text, and keeps the line breaks.
 std::string terminal_safe_lines(std::string_view text);
 
 /// "sphere, radius 0.1", "box 0.1 x 0.2 x 0.3", ..., in metres.

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <limits>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -19,28 +17,10 @@ using store::sql_literal;
 
 constexpr std::string_view kBest = "@best";
 
-constexpr double kNone = std::numeric_limits<double>::infinity();  // of a mean over no trials
-
 std::string text_of(const store::Cell& cell) {
   const auto* text = std::get_if<std::string>(&cell);
   return text == nullptr ? "" : *text;
 }
-
-/// A point with the quantities of kBestCriterion.
-struct RatedPoint {
-  NamedPoint point;
-  std::int64_t n = 0, successes = 0, collisions = 0;
-  double time = kNone, change = kNone;
-
-  bool better_than(const RatedPoint& other) const {
-    // Compares shares of different numbers of trials, without rounding.
-    const std::int64_t success = successes * other.n - other.successes * n;
-    if (success != 0) return success > 0;
-    const std::int64_t collision = collisions * other.n - other.collisions * n;
-    if (collision != 0) return collision < 0;
-    return time != other.time ? time < other.time : change < other.change;
-  }
-};
 
 /// Returns the params of a point that are no gains.
 std::string conditions_of(const std::string& params) {
@@ -51,44 +31,34 @@ std::string conditions_of(const std::string& params) {
   return json.dump();
 }
 
-std::vector<RatedPoint> read_points(const std::filesystem::path& file, const std::string& suite, bool rates) {
-  const char* const counts =
-      rates ? "(SELECT point_id, count(*) AS n, sum(outcome = 'success') AS successes, "
-              "sum(outcome = 'collision') AS collisions, avg(time_to_goal_s) AS time, "
-              "avg(command_change_mean) AS change FROM point_trial GROUP BY point_id)"
-            : "(SELECT NULL AS point_id, 0 AS n, 0 AS successes, 0 AS collisions, NULL AS time, NULL AS change)";
-  const store::QueryResult found = store::query(
-      file,
-      fmt::format("SELECT p.id, s.id, s.name, p.controller, p.label, coalesce(c.n, 0), coalesce(c.successes, 0), "
-                  "coalesce(c.collisions, 0), c.time, c.change, p.params FROM point AS p JOIN suite AS s ON s.id = "
-                  "p.suite_id LEFT JOIN {} AS c ON c.point_id = p.id {} ORDER BY s.id, p.id",
-                  counts, suite.empty() ? "" : "WHERE s.name = " + sql_literal(suite)));
-  std::vector<RatedPoint> all;
-  for (const auto& row : found.rows) {
-    RatedPoint c;
-    c.point = {std::get<std::int64_t>(row[0]),
-               std::get<std::int64_t>(row[1]),
-               text_of(row[2]),
-               text_of(row[3]),
-               text_of(row[4]),
-               conditions_of(text_of(row[10])),
-               ""};
-    c.n = std::get<std::int64_t>(row[5]);
-    c.successes = std::get<std::int64_t>(row[6]);
-    c.collisions = std::get<std::int64_t>(row[7]);
-    c.time = store::number_in(row[8]).value_or(kNone);
-    c.change = store::number_in(row[9]).value_or(kNone);
-    all.push_back(std::move(c));
-  }
+constexpr const char* kPoints =
+    "SELECT p.id, s.id AS suite, s.name, p.controller, p.label, p.params FROM point AS p JOIN suite AS s ON s.id = "
+    "p.suite_id ";
+
+std::string of_suite(const std::string& suite) { return suite.empty() ? "" : "WHERE s.name = " + sql_literal(suite); }
+
+NamedPoint point_of(const std::vector<store::Cell>& row) {
+  return {std::get<std::int64_t>(row[0]),
+          std::get<std::int64_t>(row[1]),
+          text_of(row[2]),
+          text_of(row[3]),
+          text_of(row[4]),
+          conditions_of(text_of(row[5])),
+          ""};
+}
+
+std::vector<NamedPoint> read_points(const std::filesystem::path& file, const std::string& suite) {
+  std::vector<NamedPoint> all;
+  for (const auto& row : store::query(file, fmt::format("{}{} ORDER BY s.id, p.id", kPoints, of_suite(suite))).rows)
+    all.push_back(point_of(row));
   return all;
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& name, const std::string& suite,
-                         const std::vector<RatedPoint>& all) {
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& name, const std::string& suite) {
   constexpr std::size_t kMost = 20;
   std::vector<std::string> names;
-  for (const RatedPoint& c : all)
-    if (std::find(names.begin(), names.end(), c.point.name()) == names.end()) names.push_back(c.point.name());
+  for (const NamedPoint& point : read_points(file, suite))
+    if (std::find(names.begin(), names.end(), point.name()) == names.end()) names.push_back(point.name());
   const std::size_t more = names.size() > kMost ? names.size() - kMost : 0;
   names.resize(names.size() - more);
   throw store::not_found(
@@ -97,31 +67,31 @@ std::vector<RatedPoint> read_points(const std::filesystem::path& file, const std
                         more > 0 ? fmt::format(" and {} more (moma query {} @list)", more, file.string()) : ""));
 }
 
-std::string why(const RatedPoint& c) {
-  const auto percent = [&](std::int64_t k) { return 100.0 * static_cast<double>(k) / static_cast<double>(c.n); };
-  std::string text =
-      fmt::format("success {:.1f} %, collision {:.1f} % of {}", percent(c.successes), percent(c.collisions), c.n);
-  if (c.time < kNone) text += fmt::format(", mean time to goal {:.2f} s", c.time);
-  return text;
-}
-
+/// The best point of each suite by kBestCriterion, the first of equal ones.
 std::vector<NamedPoint> best_points(const std::filesystem::path& file, const std::string& name,
                                     const std::string& suite) {
   std::string controller = name.substr(0, name.size() - kBest.size());
   if (controller.ends_with(':')) controller.pop_back();
-  const std::vector<RatedPoint> all = read_points(file, suite, true);
-  std::map<std::int64_t, const RatedPoint*> best;  // by suite; the first of equal ones
-  for (const RatedPoint& c : all) {
-    if (c.n == 0 || (!controller.empty() && c.point.controller != controller)) continue;
-    const RatedPoint*& of_suite = best[c.point.suite_id];
-    if (of_suite == nullptr || c.better_than(*of_suite)) of_suite = &c;
-  }
-  if (best.empty()) refuse(file, name, suite, all);
+  // Quotients of whole numbers that are equal are equal as doubles, too.
+  const store::QueryResult found = store::query(
+      file, fmt::format("SELECT a.*, n, 100.0 * successes / n, 100.0 * collisions / n, time FROM ({}{}) AS a "
+                        "JOIN (SELECT point_id, count(*) AS n, sum(outcome = 'success') AS successes, "
+                        "sum(outcome = 'collision') AS collisions, avg(time_to_goal_s) AS time, "
+                        "avg(command_change_mean) AS change FROM point_trial GROUP BY point_id) ON point_id = a.id "
+                        "ORDER BY suite, 1.0 * successes / n DESC, 1.0 * collisions / n, time NULLS LAST, "
+                        "change NULLS LAST, a.id",
+                        kPoints, of_suite(suite)));
   std::vector<NamedPoint> points;
-  for (const auto& [id, c] : best) {
-    points.push_back(c->point);
-    points.back().why = why(*c);
+  for (const auto& row : found.rows) {
+    NamedPoint point = point_of(row);
+    const bool later = !points.empty() && points.back().suite_id == point.suite_id;
+    if (later || (!controller.empty() && point.controller != controller)) continue;
+    point.why = fmt::format("success {:.1f} %, collision {:.1f} % of {}", *store::number_in(row[7]),
+                            *store::number_in(row[8]), std::get<std::int64_t>(row[6]));
+    if (const auto time = store::number_in(row[9])) point.why += fmt::format(", mean time to goal {:.2f} s", *time);
+    points.push_back(std::move(point));
   }
+  if (points.empty()) refuse(file, name, suite);
   return points;
 }
 
@@ -139,23 +109,18 @@ std::string_view world_in(std::string_view name) {
 std::vector<NamedPoint> named_points(const std::filesystem::path& file, const std::string& name,
                                      const std::string& suite) {
   if (name.ends_with(kBest)) return best_points(file, name, suite);
-  const std::vector<RatedPoint> all = read_points(file, suite, false);
-  std::vector<NamedPoint> points;
-  for (const RatedPoint& c : all)
-    if (c.point.name() == name) points.push_back(c.point);
-  if (points.empty()) refuse(file, name, suite, all);
+  std::vector<NamedPoint> points = read_points(file, suite);
+  std::erase_if(points, [&](const NamedPoint& point) { return point.name() != name; });
+  if (points.empty()) refuse(file, name, suite);
   return points;
 }
 
 std::vector<NamedPoint> points_of_controller(const std::filesystem::path& file, const std::string& controller,
                                              const std::string& suite) {
-  std::vector<NamedPoint> points;
-  for (const RatedPoint& c : read_points(file, suite, false)) {
-    if (c.point.controller != controller) continue;
-    if (c.point.label.empty()) return {};
-    points.push_back(c.point);
-  }
-  return points;
+  std::vector<NamedPoint> points = read_points(file, suite);
+  std::erase_if(points, [&](const NamedPoint& point) { return point.controller != controller; });
+  const bool swept = std::none_of(points.begin(), points.end(), [](const NamedPoint& p) { return p.label.empty(); });
+  return swept ? points : std::vector<NamedPoint>{};
 }
 
 NamedPoint named_point(const std::filesystem::path& file, const std::string& name, const std::string& suite) {
@@ -171,8 +136,8 @@ std::string named_trial(const std::filesystem::path& file, const std::string& na
   const std::string_view world = world_in(name);
   const std::string of = world.empty() ? name : name.substr(0, name.size() - world.size() - 1);
   if (world.empty() && !of.ends_with(kBest)) {
-    const std::vector<RatedPoint> all = read_points(file, "", false);
-    if (std::none_of(all.begin(), all.end(), [&](const RatedPoint& c) { return c.point.name() == of; })) return name;
+    const std::vector<NamedPoint> all = read_points(file, "");
+    if (std::none_of(all.begin(), all.end(), [&](const NamedPoint& point) { return point.name() == of; })) return name;
   }
   const NamedPoint point = named_point(file, of);
   const store::QueryResult found = store::query(

@@ -166,19 +166,15 @@ struct Checker {
 
   void check_copies() {
     std::string differ;
-    std::string names = "outcome, time_to_goal_s, " + summary_list();
     const std::set<std::string> there = stored_columns(db, "point_trial");
-    for (std::size_t begin = 0; begin < names.size();) {
-      const std::size_t end = std::min(names.find(", ", begin), names.size());
-      const std::string name = names.substr(begin, end - begin);
-      begin = end + 2;
-      if (there.count(name) > 0) differ += fmt::format("iif(m.{0} IS NOT t.{0}, ' {0}', '') || ", name);
-    }
+    for (const std::string& name : stored_columns(db, "trial"))
+      if (name != "key" && there.count(name) > 0)
+        differ += fmt::format("iif(m.{0} IS NOT t.{0}, ' {0}', '') || ", name);
     tell_all(fmt::format(
         "SELECT printf('trial %s: its copy in point_trial (point %d, world %d) differs in:%s', "
         "lower(substr(hex(m.key), 1, 16)), m.point_id, m.world_index, {0}) FROM main.point_trial AS m JOIN main.trial "
         "AS t ON t.key = m.key JOIN main.world AS w ON w.id = t.world_id WHERE {0} <> ''",
-        differ + "iif(m.world_id IS NOT t.world_id, ' world_id', '') || iif(m.family IS NOT w.family, ' family', '')"));
+        differ + "iif(m.family IS NOT w.family, ' family', '')"));
     counts.copies = count(db, "SELECT count(*) FROM main.point_trial");
   }
 

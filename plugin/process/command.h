@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@ struct ProcessLimits {
   double deadline = 500.0;  ///< of a step's answer [control periods]
   double start = 60.0;      ///< of starting, of its setup and of each reset [s]
   double memory = 4.0;      ///< of its data [GB]
+
+  auto operator<=>(const ProcessLimits&) const = default;
 };
 
 constexpr void describe(auto& v, Of<ProcessLimits>) {
@@ -33,6 +36,8 @@ struct ProcessCommand {
   std::vector<std::string> environment;      ///< NAME=VALUE, beside and instead of this process's own
   std::vector<std::filesystem::path> files;  ///< absolute; the process may name more when it is ready
   ProcessLimits limits;
+
+  auto operator<=>(const ProcessCommand&) const = default;
 };
 
 /// Returns the command that runs a class of a Python file (docs/how-to/python-controller.md) with moma's runner. Its

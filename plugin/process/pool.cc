@@ -7,31 +7,16 @@
 #include "plugin/host/library.h"
 
 namespace moma {
-namespace {
-
 namespace fs = std::filesystem;
-
-/// All that tells one command from another.
-std::string identity_of(const ProcessCommand& command) {
-  std::string text = command.directory.string();
-  const auto add = [&text](const std::string& part) { text += '\0' + part; };
-  for (const std::string& argument : command.arguments) add(argument);
-  for (const std::string& entry : command.environment) add(entry);
-  for (const fs::path& file : command.files) add(file.string());
-  add(fmt::format("{} {} {}", command.limits.deadline, command.limits.start, command.limits.memory));
-  return text;
-}
-
-}  // namespace
 
 std::shared_ptr<ProcessPool> ProcessPool::of(const ProcessCommand& command) {
   // The points of a sweep are read one by one and know nothing of each other; what they share here lives as long as one
   // of them does.
   static std::mutex mutex;
-  static std::map<std::string, std::weak_ptr<ProcessPool>> all;
+  static std::map<ProcessCommand, std::weak_ptr<ProcessPool>> all;
   const std::scoped_lock lock(mutex);
   std::erase_if(all, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<ProcessPool>& place = all[identity_of(command)];
+  std::weak_ptr<ProcessPool>& place = all[command];
   std::shared_ptr<ProcessPool> pool = place.lock();
   if (pool == nullptr || !pool->unchanged()) {
     pool = std::make_shared<ProcessPool>(command);
