@@ -7,6 +7,7 @@
 #include <set>
 #include <type_traits>
 
+#include "controller/config/convex_hull.h"
 #include "controller/config/json_node.h"
 #include "controller/config/object_file.h"
 #include "controller/config/read_described.h"
@@ -152,7 +153,11 @@ void read_value(const Node& node, const std::string& key, WorldGoal& goal, const
 void read_value(const Node& node, const std::string& key, WorldObject& object, const About&) {
   MapReader in(node, key);
   object.name = config::read_string(in.require("name", "a name"), in.key_of("name"));
-  object.shape = config::read_shape(in, kPrimitiveShapes);
+  object.shape = config::read_shape(in);
+  in.check(
+      !object.shape.hull || config::is_hull(*object.shape.hull), "triangles",
+      "expected the surface of the vertices' convex hull, counter-clockwise seen from outside; without this key it is "
+      "computed");
   read_placed(in, object, &WorldObject::X_WO, "velocity", false);
   in.read("noise", object.noise, 0, (1 << 24) - 1);
   in.finish();

@@ -189,6 +189,26 @@ std::optional<ConvexHull> convex_hull(const std::vector<Vector3>& points) {
   return hull;
 }
 
+bool is_hull(const ConvexHull& hull) {
+  if (in_one_plane(hull.vertices)) return false;
+  const double length = length_of(hull.vertices);
+  std::map<std::pair<int, int>, int> edges;
+  std::map<int, int> faces;  // of each vertex
+  for (const Eigen::Vector3i& t : hull.triangles) {
+    for (int i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}], ++faces[t[i]];
+    const Triangle3 at = corners(hull, t);
+    const Vector3 normal = face_normal(at, length);
+    for (const Vector3& v : hull.vertices)
+      if (normal.dot(v - at[0]) > 1e-6 * length) return false;
+  }
+  return faces.size() == hull.vertices.size() &&
+         std::all_of(faces.begin(), faces.end(), [](const auto& vertex) { return vertex.second <= 255; }) &&
+         std::all_of(edges.begin(), edges.end(), [&](const auto& edge) {
+           const auto back = edges.find({edge.first.second, edge.first.first});
+           return edge.second == 1 && back != edges.end() && back->second == 1 && back != edges.find(edge.first);
+         });
+}
+
 EnclosingHull enclosing_hull(const std::vector<Vector3>& cloud, int most_vertices) {
   const auto corner = tetrahedron(cloud);
   if (!corner) throw std::runtime_error("the points lie in one plane");

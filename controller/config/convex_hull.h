@@ -18,6 +18,10 @@ bool in_one_plane(const std::vector<Vector3>& points);
 /// triangles from one point).
 std::optional<ConvexHull> convex_hull(const std::vector<Vector3>& points);
 
+/// True if the triangles are the closed surface of the hull of all vertices, seen counter-clockwise from outside, to a
+/// millionth of its length; with 255 triangles at most at a vertex. Indices must be those of vertices.
+bool is_hull(const ConvexHull& hull);
+
 struct EnclosingHull {
   ConvexHull hull;
   ConvexHull inside;  ///< of the chosen points

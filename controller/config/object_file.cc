@@ -1,9 +1,12 @@
 #include "controller/config/object_file.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "controller/config/convex_hull.h"
 
 namespace moma::config {
 namespace {
@@ -26,10 +29,16 @@ std::shared_ptr<const ConvexHull> read_hull(MapReader& in) {
   auto hull = std::make_shared<ConvexHull>();
   const std::vector<double> v = flat(in, "vertices");
   in.check(v.size() >= 12 && v.size() % 3 == 0, "vertices", "expected x, y, z of four points or more");
+  for (std::size_t i = 0; i < v.size(); i += 3) hull->vertices.emplace_back(v[i], v[i + 1], v[i + 2]);
+  if (in.get("triangles") == nullptr) {
+    std::optional<ConvexHull> found = convex_hull(hull->vertices);
+    in.check(found.has_value(), "vertices",
+             "expected points that are not all in one plane, and at most 255 faces at each corner of their hull");
+    return std::make_shared<ConvexHull>(*std::move(found));
+  }
   const std::vector<double> t = flat(in, "triangles", {0.0, static_cast<double>(v.size() / 3) - 1.0});
   in.check(t.size() >= 12 && t.size() % 3 == 0, "triangles",
            "expected three indices for each of four triangles or more");
-  for (std::size_t i = 0; i < v.size(); i += 3) hull->vertices.emplace_back(v[i], v[i + 1], v[i + 2]);
   for (std::size_t i = 0; i < t.size(); i += 3)
     hull->triangles.emplace_back(static_cast<int>(t[i]), static_cast<int>(t[i + 1]), static_cast<int>(t[i + 2]));
   return hull;
@@ -41,12 +50,12 @@ Shape read_shape(MapReader& in, std::span<const ShapeKind> allowed, const char* 
   static constexpr const char* kSizes[] = {"the radius", "3 numbers, full edge lengths", "2 numbers, radius and length",
                                            "2 numbers, radius and length without caps"};
   Shape shape;
-  in.require(word, "sphere, box, cylinder or capsule");
+  in.require(word, "sphere, box, cylinder, capsule or convex");
   in.read_enum<ShapeKind>(word, shape.kind, allowed);
   if (shape.kind == ShapeKind::kConvex) {
     const Node* size = in.get("size");
     in.check(size == nullptr || (size->kind == Node::Kind::kSequence && size->items.empty()), "size",
-             "a convex shape has vertices and triangles in its place");
+             "a convex shape has vertices in its place");
     shape.hull = read_hull(in);
     return shape;
   }

@@ -13,8 +13,9 @@ namespace moma::config {
 /// Reads a shape among the keys of a map: its kind under `word` (one of the `allowed`, if any are given); `size` [m]
 /// (sphere: radius, also without a list; box: full edge lengths; cylinder: radius, length; capsule: radius, length
 /// without caps); of a convex one `vertices` ([[x, y, z], ...]) and `triangles` ([[i, j, k], ...], counter-clockwise
-/// seen from outside), or the same numbers in one list. Throws ConfigError: unknown words, other counts, sizes not
-/// above 0 (a capsule's length may be 0), fewer than four vertices or triangles, indices of none.
+/// seen from outside), or the same numbers in one list; without `triangles` the hull of the vertices. Throws
+/// ConfigError: unknown words, other counts, sizes not above 0 (a capsule's length may be 0), fewer than four vertices
+/// or triangles, indices of none, vertices in one plane without triangles.
 Shape read_shape(MapReader& in, std::span<const ShapeKind> allowed = {}, const char* word = "shape");
 /// Adds the same keys.
 void write_shape(const Shape& shape, nlohmann::ordered_json& json);

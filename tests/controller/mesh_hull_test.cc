@@ -93,6 +93,7 @@ TEST_P(Arms, HullsContainTheirMeshesAndReachOutByThreeMillimetresAtMost) {
     if (element.mesh.empty() || !seen.insert(element.mesh).second) continue;
     const config::MeshSolid solid = config::point_solid(element.surface.vertices);
     EXPECT_FALSE(solid.flat) << element.mesh;
+    EXPECT_TRUE(config::is_hull(*solid.shape.hull)) << element.mesh;  // or a frozen world would refuse it
     const Reach reach = reach_of(solid, element.surface.vertices);
     EXPECT_LE(reach.out, 3e-3) << element.mesh;
     EXPECT_GE(reach.in, -1e-8) << element.mesh;

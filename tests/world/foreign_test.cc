@@ -1,12 +1,18 @@
 // Problems of other programs as worlds.
 #include "world/scenario/foreign.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 #include "controller/config/node.h"
 #include "controller/model/kinematics.h"
+#include "controller/model/proximity.h"
 #include "tests/support/scratch.h"
 #include "tests/world/support.h"
+#include "world/world_json.h"
 
 namespace moma {
 namespace {
@@ -108,8 +114,11 @@ TEST_F(Foreign, MoveItsMessages) {
   EXPECT_NEAR(extent_along(wall.shape, wall.X_WO, -X_WR.linear().col(0)),
               -X_WR.linear().col(0).dot(X_WR * Vector3(0.9, 0, 0)), 1e-9);
   const WorldObject& mug = object_named(world, "mug");
-  EXPECT_LT((mug.shape.size - Vector3(0.1, 0.2, 0.3)).norm(), 1e-12);
-  EXPECT_LT((mug.X_WO.translation() - X_WR * Vector3(0.45, -0.2, 0.65)).norm(), 1e-9);
+  ASSERT_EQ(mug.shape.kind, ShapeKind::kConvex);
+  EXPECT_EQ(mug.shape.hull->vertices.size(), 4U);
+  EXPECT_LT((mug.X_WO.translation() - X_WR * Vector3(0.45, -0.2, 0.65)).norm(), 1e-8);
+  EXPECT_NEAR(extent_along(mug.shape, mug.X_WO, X_WR.linear().col(0)),
+              X_WR.linear().col(0).dot(X_WR * Vector3(0.5, -0.3, 0.5)), 1e-8);
 
   EXPECT_EQ(world.start.q[0], 0.3);
   EXPECT_EQ(world.start.q[1], -0.5);
@@ -117,9 +126,92 @@ TEST_F(Foreign, MoveItsMessages) {
   EXPECT_EQ(world.witness.q[6], 0.7);
   kinematics.update(Vector3::Zero(), world.witness.q);
   EXPECT_LT((kinematics.X_WE().matrix() - world.goal.X_WG.matrix()).norm(), 1e-12);
-  for (const char* text : {"attached objects are left out: cup", "meshes are the boxes", "mug (4 vertices)",
+  for (const char* text : {"attached objects are left out: cup",
+                           "meshes are the convex hulls of their vertices: mug (0.1 x 0.2 x 0.3 m, not watertight)",
                            "planes are slabs", "replaced by its root: world"})
     EXPECT_TRUE(noted(found, text)) << text;
+}
+
+// An angle of two plates 0.4 m long, in both forms of a scene, and as a frozen world.
+TEST_F(Foreign, MeshesBecomeConvexHulls) {
+  const double outline[6][2] = {{0, 0}, {0.3, 0}, {0.3, 0.02}, {0.02, 0.02}, {0.02, 0.3}, {0, 0.3}};
+  std::string vertices, triangles, text;
+  for (const double y : {0.0, 0.4})
+    for (const auto& p : outline) {
+      const std::string numbers = fmt::format("{}, {}, {}", p[0], y, p[1]);
+      vertices += (vertices.empty() ? "[" : ", [") + numbers + "]";
+      text += fmt::format("{} {} {}\n", p[0], y, p[1]);
+    }
+  const auto triangle = [&](int a, int b, int c) {
+    triangles += fmt::format("{}{{vertex_indices: [{}, {}, {}]}}", triangles.empty() ? "" : ", ", a, b, c);
+    text += fmt::format("{} {} {}\n", a, b, c);
+  };
+  for (int i = 0; i < 6; ++i) {
+    const int j = (i + 1) % 6;
+    triangle(i, i + 6, j);
+    triangle(j, i + 6, j + 6);
+    if (i < 1 || i > 4) continue;
+    triangle(0, i, i + 1);
+    triangle(6, i + 7, i + 6);
+  }
+  const std::string message = "world: {collision_objects: [{id: angle, meshes: [{vertices: [" + vertices +
+                              "], triangles: [" + triangles +
+                              "]}], mesh_poses: [{position: [0.4, -0.3, 0.5], orientation: [0, 0, 0, 1]}]}]}\n";
+  const auto request = scratch_.write("request.yaml", kRequest);
+  const ForeignWorlds found = read_foreign(panda_, {scratch_.write("angle.yaml", message), request});
+  const World world = found.worlds.at(0);
+  ASSERT_EQ(world.objects.size(), 1U);
+  EXPECT_EQ(world.objects[0].name, "angle");
+  // The hull's outline has 0.3^2 - 0.28^2 / 2 m^2, that of the plates 2 * 0.3 * 0.02 - 0.02^2.
+  EXPECT_TRUE(noted(found, "angle (0.3 x 0.4 x 0.3 m, watertight, its hull has 4.38 times its volume)"))
+      << found.notes.at(0);
+  Kinematics kinematics(panda_);
+  kinematics.update(Vector3::Zero(), panda_->ready);
+  const Isometry X_WR = kinematics.X_WL(panda_->find_link("panda_link0"));
+  const Shape ball{ShapeKind::kSphere, Vector3(0.05, 0, 0), nullptr};
+  const auto gap = [&](const World& of, const Vector3& p) {
+    Isometry X = Isometry::Identity();
+    X.translation() = X_WR * p;
+    double least = 1e9;
+    for (const WorldObject& object : of.objects)
+      least = std::min(least, shape_distance(ball, X, object.shape, object.X_WO).d);
+    return least;
+  };
+  // Beyond the slope x + z = 0.32 of the hull, above the plates, and off their end.
+  EXPECT_NEAR(gap(world, {0.7, -0.1, 0.8}), 0.28 / std::sqrt(2.0) - 0.05, 1e-6);
+  EXPECT_NEAR(gap(world, {0.41, -0.1, 0.9}), 0.1 - 0.05, 1e-6);
+  EXPECT_NEAR(gap(world, {0.45, 0.4, 0.55}), 0.3 - 0.05, 1e-6);
+  EXPECT_LT(gap(world, {0.5, -0.1, 0.6}), 0.0);
+
+  // Back from its file: the same bits, and the same body without the hull's triangles.
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(to_json(world).dump());
+  const World again = world_from_json(json, "angle");
+  EXPECT_EQ(to_json(again).dump(), json.dump());
+  for (auto& object : json["objects"]) object.erase("triangles");
+  EXPECT_NEAR(gap(world_from_json(json, "angle"), {0.7, -0.1, 0.8}), gap(world, {0.7, -0.1, 0.8}), 1e-6);
+  const auto refused = [](nlohmann::ordered_json changed, const char* key, const nlohmann::ordered_json& value) {
+    changed["objects"][0][key] = value;
+    EXPECT_THROW(world_from_json(changed, "angle"), config::ConfigError) << value.dump();
+  };
+  json["objects"][0]["vertices"] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const nlohmann::ordered_json tetrahedron = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  json["objects"][0]["triangles"] = tetrahedron;
+  EXPECT_EQ(world_from_json(json, "angle").objects[0].shape.hull->triangles.size(), 4U);
+  refused(json, "triangles", {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}});            // inside out
+  refused(json, "triangles", {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {0, 3, 2}});            // open
+  refused(json, "triangles", {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}});            // none
+  refused(json, "vertices", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 2, 2}});  // one that no triangle uses
+  json["objects"][0].erase("triangles");
+  json["objects"][0]["vertices"] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  EXPECT_THROW(world_from_json(json, "angle"), config::ConfigError) << "a hull without volume";
+
+  const auto scene =
+      scratch_.write("angle.scene", "shop\n* angle\n1\nmesh\n12 20\n" + text + "0.4 -0.3 0.5\n0 0 0 1\n0 0 0 0\n.\n");
+  EXPECT_EQ(to_json(read_foreign(panda_, {scene, request}).worlds.at(0))["objects"].dump(),
+            to_json(world)["objects"].dump());
+  std::string bad = message;
+  bad.replace(bad.find("[0, 6, 1]"), 9, "[0, 6, 12]");
+  EXPECT_NE(this->message({scratch_.write("bad.yaml", bad), request}).find("vertex_indices"), std::string::npos);
 }
 
 TEST_F(Foreign, MoveItsTextInBothVersions) {

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 #include <set>
 #include <string_view>
 #include <utility>
 
+#include "controller/config/mesh_hull.h"
 #include "controller/config/reader.h"
 #include "controller/model/kinematics.h"
 #include "world/scenario/scene_builder.h"
@@ -61,6 +64,30 @@ Isometry read_pose(const Node& node, const std::string& key = "orientation") {
   X.linear() = Eigen::Quaterniond(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized().toRotationMatrix();
   X.translation() = numbers(need(node, "position", "x, y, z"), "position", "xyz");
   return X;
+}
+
+/// True if each edge belongs to two triangles, which go along it in opposite directions. Vertices at one place are one.
+bool is_watertight(const config::Mesh& mesh) {
+  std::map<std::array<double, 3>, int> places;
+  std::map<std::pair<int, int>, int> edges;
+  const auto place = [&](int vertex) {
+    const Vector3& p = mesh.vertices[static_cast<std::size_t>(vertex)];
+    return places.try_emplace({p.x(), p.y(), p.z()}, static_cast<int>(places.size())).first->second;
+  };
+  for (const Eigen::Vector3i& t : mesh.triangles)
+    for (int i = 0; i < 3; ++i) ++edges[{place(t[i]), place(t[(i + 1) % 3])}];
+  return !edges.empty() && std::all_of(edges.begin(), edges.end(), [&](const auto& edge) {
+    const auto back = edges.find({edge.first.second, edge.first.first});
+    return edge.second == 1 && back != edges.end() && back->second == 1;
+  });
+}
+
+/// Volume inside a closed surface, by the divergence theorem [m^3].
+double volume_of(const std::vector<Vector3>& vertices, const std::vector<Eigen::Vector3i>& triangles) {
+  const auto at = [&](int i) -> Vector3 { return vertices[static_cast<std::size_t>(i)] - vertices.front(); };
+  double volume = 0.0;
+  for (const Eigen::Vector3i& t : triangles) volume += at(t[0]).dot(at(t[1]).cross(at(t[2]))) / 6.0;
+  return std::abs(volume);
 }
 
 struct Part {
@@ -198,15 +225,40 @@ class Importer {
     return part;
   }
 
-  Part mesh(const std::vector<Vector3>& vertices, const config::Mark& mark, const std::string& owner) {
-    if (vertices.empty()) config::fail(mark, "vertices", "a mesh has some");
+  /// Triangles of a message; or none where it has none, as in a .scene.
+  static std::vector<Eigen::Vector3i> triangles_of(const Node& node, std::size_t vertices) {
+    std::vector<Eigen::Vector3i> triangles;
+    for (const Node& item : list_of(node, "triangles")) {
+      const Node& indices = need(item, "vertex_indices", "three indices");
+      const std::vector<double> t =
+          config::read_numbers(indices, "vertex_indices", 3, {0.0, static_cast<double>(vertices) - 1.0});
+      for (const double index : t)
+        if (index != std::floor(index)) config::fail(indices.mark, "vertex_indices", "expected whole numbers");
+      triangles.emplace_back(static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2]));
+    }
+    return triangles;
+  }
+
+  Part mesh(const Node& node, const std::string& owner) {
+    config::Mesh mesh;
+    for (const Node& vertex : list_of(node, "vertices")) mesh.vertices.emplace_back(numbers(vertex, "vertices", "xyz"));
+    if (mesh.vertices.empty()) config::fail(node.mark, "vertices", "a mesh has some");
+    mesh.triangles = triangles_of(node, mesh.vertices.size());
     Eigen::AlignedBox3d box;
-    for (const Vector3& p : vertices) box.extend(p);
-    note("meshes are the boxes around them", fmt::format("{} ({} vertices)", owner, vertices.size()));
-    Part part;
-    part.shape = {ShapeKind::kBox, box.sizes().cwiseMax(1e-3), nullptr};
-    part.X.translation() = box.center();
-    return part;
+    for (const Vector3& p : mesh.vertices) box.extend(p);
+    const config::MeshSolid solid = config::point_solid(mesh.vertices);
+    const Vector3 size = box.sizes();
+    std::string text = fmt::format("{} ({:.3g} x {:.3g} x {:.3g} m, ", owner, size.x(), size.y(), size.z());
+    if (!is_watertight(mesh))
+      text += "not watertight)";
+    else if (solid.flat)
+      text += "flat)";
+    else
+      text += fmt::format("watertight, its hull has {:.2f} times its volume)",
+                          volume_of(solid.shape.hull->vertices, solid.shape.hull->triangles) /
+                              volume_of(mesh.vertices, mesh.triangles));
+    note("meshes are the convex hulls of their vertices", text);
+    return {solid.shape, solid.X_MS};
   }
 
   static void add(Scene& scene, const std::string& name, const Isometry& X_WO, const std::vector<Part>& parts) {
@@ -247,11 +299,7 @@ class Importer {
       take("planes", "plane_poses", [&](const Node& node) {
         return plane(numbers(need(node, "coef", "a, b, c, d"), "coef", "abcd"), node.mark, id);
       });
-      take("meshes", "mesh_poses", [&](const Node& node) {
-        std::vector<Vector3> vertices;
-        for (const Node& vertex : list_of(node, "vertices")) vertices.emplace_back(numbers(vertex, "vertices", "xyz"));
-        return mesh(vertices, node.mark, id);
-      });
+      take("meshes", "mesh_poses", [&](const Node& node) { return mesh(node, id); });
       if (parts.empty()) config::fail(object.mark, "primitives", "the object " + id + " has no shape");
       add(scene, id, X_WO, parts);
     }

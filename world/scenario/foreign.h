@@ -26,14 +26,14 @@ struct ForeignWorlds {
 /// Poses are in the frame of an object's header if that is a link of the robot, else in the URDF's root; the base
 /// stands at the origin. The goal is the tool's pose at the goal's joint values, which are the witness. A joint that a
 /// start does not name is at the robot's `ready`. Planes become slabs 0.2 m thick, cones become cylinders, meshes
-/// become the boxes around their vertices; attached objects are left out. Each of these changes is noted, as are worlds
-/// that start or end in contact. Throws config::ConfigError with file and line for other content, for unknown shapes
-/// and goals, and for joints that the robot does not control.
+/// become the convex hulls of their vertices (config::point_solid()); attached objects are left out. Each of these
+/// changes is noted, as are worlds that start or end in contact. Throws config::ConfigError with file and line for
+/// other content, for unknown shapes and goals, and for joints that the robot does not control.
 ForeignWorlds read_foreign(const std::shared_ptr<const RobotModel>& model,
                            const std::vector<std::filesystem::path>& files);
 
 /// Reads the text form of MoveIt's planning scene (.scene, also that without poses of objects) as the tree that its
-/// YAML form has. Subframes, triangles and colours are left out. Throws config::ConfigError with file and line.
+/// YAML form has. Subframes and colours are left out. Throws config::ConfigError with file and line.
 config::Node read_moveit_text(const std::filesystem::path& file);
 
 }  // namespace moma

@@ -105,7 +105,7 @@ class MoveItText {
     if (plane) {
       shape["coef"] = numbers(4, "a, b, c, d");
     } else if (mesh) {
-      shape["vertices"] = vertices();
+      shape = mesh_shape();
     } else {
       shape["type"] = type;
       shape["dimensions"] = dimensions(type);
@@ -132,13 +132,14 @@ class MoveItText {
     return sizes;
   }
 
-  Json vertices() {
+  Json mesh_shape() {
     const std::vector<double> counts = numbers(2, "numbers of vertices and triangles");
-    const int triangles = whole(counts[1]);
-    Json vertices = Json::array();
-    for (int left = whole(counts[0]); left > 0; --left) vertices.push_back(numbers(3, "a vertex"));
-    for (int left = triangles; left > 0; --left) numbers(3, "a triangle");
-    return vertices;
+    const int vertices = whole(counts[0]);
+    Json mesh = {{"vertices", Json::array()}, {"triangles", Json::array()}};
+    for (int left = vertices; left > 0; --left) mesh["vertices"].push_back(numbers(3, "a vertex"));
+    for (int left = whole(counts[1]); left > 0; --left)
+      mesh["triangles"].push_back({{"vertex_indices", numbers(3, "a triangle")}});
+    return mesh;
   }
 
   std::string file_;

@@ -54,8 +54,8 @@ export function solid(shape: ShapeJson): BufferGeometry {
     case 'capsule': return new CapsuleGeometry(a, b, 6, 24).rotateX(Math.PI / 2);
     case 'convex': {
       const out = new BufferGeometry();
-      out.setAttribute('position', new BufferAttribute(Float32Array.from(shape.vertices ?? []), 3));
-      out.setIndex(shape.triangles ?? []);
+      out.setAttribute('position', new BufferAttribute(Float32Array.from((shape.vertices ?? []).flat()), 3));
+      out.setIndex((shape.triangles ?? []).flat());
       const flat = out.toNonIndexed();
       flat.computeVertexNormals();
       return flat;

@@ -5,7 +5,7 @@ import { Matrix4, Quaternion, Vector3 } from 'three';
 interface PoseJson { position?: number[]; rpy?: number[]; rotation?: number[] }
 
 export interface ShapeJson extends PoseJson {
-  link?: string; shape: string; size?: number[]; vertices?: number[]; triangles?: number[];
+  link?: string; shape: string; size?: number[]; vertices?: (number | number[])[]; triangles?: (number | number[])[];
 }
 
 /** Of the base [m]: two, or four with a wheelbase between the axles. */
