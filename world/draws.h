@@ -35,7 +35,8 @@ enum class Stream : std::uint64_t {
   kSensing = 5,
   kDisturbance = 6,
   kDesign = 7,
-  kCrossCheck = 8
+  kCrossCheck = 8,
+  kTimeBound = 9
 };
 
 /// Random numbers as a pure function of (seed, index, stream, attempt, item, number of the draw): Philox4x64-10 of

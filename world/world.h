@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,7 @@ struct World {
   std::vector<WorldObject> objects;
   Configuration witness;  ///< reaches the goal (at t = 0) clear of all objects
   Difficulty difficulty;
+  std::optional<double> time_bound;  ///< of time_bound() [s], where it is known; no part of world files
   std::shared_ptr<const Moves> moves;  ///< moves of the random numbers of its disturbances; null: none
 };
 

@@ -16,7 +16,7 @@ namespace {
 
 /// `limits` of a joint.
 struct JointLimits {
-  std::optional<double> lower, upper, velocity, effort;
+  std::optional<double> lower, upper, velocity, effort, acceleration, jerk;
 };
 
 constexpr void describe(auto& v, Of<JointLimits>) {
@@ -25,6 +25,8 @@ constexpr void describe(auto& v, Of<JointLimits>) {
   v.member("upper", &T::upper, {.unit = "rad or m"});
   v.member("velocity", &T::velocity, {.unit = "rad/s or m/s", .range = Range::positive()});
   v.member("effort", &T::effort, {.unit = "Nm or N", .range = Range::non_negative()});
+  v.member("acceleration", &T::acceleration, {.unit = "rad/s^2 or m/s^2", .range = Range::positive()});
+  v.member("jerk", &T::jerk, {.unit = "rad/s^3 or m/s^3", .range = Range::positive()});
 }
 
 /// Floating and planar joints are taken as fixed.
@@ -187,8 +189,8 @@ class ArmReader {
     joint.name = source.name;
     joint.type = type_of(source.type);
     joint.link = link;
-    JointLimits limit{source.lower, source.upper, source.velocity.value_or(0.0) > 0.0 ? source.velocity : std::nullopt,
-                      source.effort};
+    JointLimits limit{source.lower,  source.upper, source.velocity.value_or(0.0) > 0.0 ? source.velocity : std::nullopt,
+                      source.effort, {},           {}};
     const std::string where = limits.key_of(joint.name);
     const Node* given = limits.get(joint.name);
     if (given != nullptr) read_described(*given, where, limit);
@@ -219,6 +221,8 @@ class ArmReader {
                                 ".effort is needed for physics with motors");
     joint.velocity = *limit.velocity;
     joint.effort = *limit.effort;
+    joint.acceleration = limit.acceleration.value_or(joint.acceleration);
+    joint.jerk = limit.jerk.value_or(joint.jerk);
     link_at(link).controlled = model_.num_joints();
     as_object(written_["limits"])[joint.name] = write_described(limit);
     model_.joints.push_back(std::move(joint));

@@ -10,6 +10,7 @@
 
 #include "controller/model/manipulability.h"
 #include "world/draws.h"
+#include "world/scenario/time_bound.h"
 #include "world/sensing/streams.h"
 
 namespace moma {
@@ -68,6 +69,10 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
   if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
   r_.control_period = period_;
   r_.moving_goal = goal_moves_;
+  if (!goal_moves_) {
+    const double bound = world.time_bound ? *world.time_bound : time_bound(spec.robot->model, world).time;
+    if (std::isfinite(bound)) r_.row.time_bound_s = bound;
+  }
   if (spec_.simulation.mode == SimulationMode::kDynamic) {
     r_.row.energy_j = r_.row.redone_steps = r_.row.divided_steps = 0.0;
     if (model_.base_dof() > 0) r_.row.slip_max_m_s = 0.0;
@@ -117,7 +122,10 @@ TrialRow TrialLoop::finish() {
   row.outcome = outcome_;
   row.reason = std::move(reason_);
   row.time_end_s = time(k_);
-  if (row.outcome == Outcome::kSuccess) row.time_to_goal_s = time(dwell_.first());
+  if (row.outcome == Outcome::kSuccess) {
+    row.time_to_goal_s = time(dwell_.first());
+    row.times_bound = row.time_to_goal_s / row.time_bound_s;
+  }
   if (row.outcome == Outcome::kCollision) describe_contacts(row);
   return row;
 }

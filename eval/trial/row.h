@@ -31,6 +31,8 @@ struct TrialRow {
   std::string object;  ///< object's name, "floor", or "self:LINK"
   double time_end_s = 0.0;
   double time_to_goal_s = kAbsent;
+  double time_bound_s = kAbsent;
+  double times_bound = kAbsent;
   double position_error_m = kAbsent;
   double orientation_error_rad = kAbsent;
   double path_ee_m = 0.0;
@@ -98,6 +100,19 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                .with_decimals(2)
                .absent("unless the trial succeeds")
                .in_table("To goal"));
+  v.member("time_bound_s", &R::time_bound_s,
+           metric("least time to the goal", "s", kNeither,
+                  "least time found from rest to rest at the goal for the robot alone, without objects and controller")
+               .with_decimals(2)
+               .absent("in a world whose goal moves")
+               .since(kUnknown));
+  v.member("times_bound", &R::times_bound,
+           metric("time to goal over least time", "", kLow, "time_to_goal_s / time_bound_s")
+               .with_decimals(2)
+               .absent("unless the trial succeeds, or where the goal moves")
+               .since(kUnknown)
+               .in_table("x least")
+               .in_summary());
   v.member("position_error_m", &R::position_error_m,
            metric("final position error", "m", kLow, "distance to the goal at the end").in_table("Error"));
   v.member("orientation_error_rad", &R::orientation_error_rad,

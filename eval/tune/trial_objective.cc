@@ -1,4 +1,5 @@
 #include "eval/tune/trial_objective.h"
+#include "world/scenario/time_bound.h"
 
 #include <fmt/format.h>
 
@@ -46,7 +47,9 @@ std::shared_ptr<const World> TrialObjective::world(const SuitePoint& point, std:
     const auto found = worlds_[part].find(index);
     if (found != worlds_[part].end()) return found->second;
   }
-  auto made = std::make_shared<const World>(point.worlds.make(point.robot->model, index));
+  World drawn = point.worlds.make(point.robot->model, index);
+  drawn.time_bound = time_bound(point.robot->model, drawn).time;
+  auto made = std::make_shared<const World>(std::move(drawn));
   const std::lock_guard lock(mutex_);
   return worlds_[part].emplace(index, std::move(made)).first->second;
 }
