@@ -25,10 +25,11 @@ constexpr const char* kForPerson = R"(,
   printf('%4.1f  [%4.1f, %4.1f]', 100 * collision_rate, 100 * collision_low, 100 * collision_high)
     AS "collision % [95 %]",
   iif(time_to_goal_median_s IS NULL, NULL, printf('%.2f', time_to_goal_median_s)) AS "median time to goal s",
+  iif(times_bound IS NULL, NULL, printf('%.2f', times_bound)) AS "mean times bound",
   iif(manip_mean IS NULL, NULL, printf('%.4f', manip_mean)) AS "mean manip.",
   iif(clearance_min_m IS NULL, NULL, printf('%.3f', clearance_min_m)) AS "mean least clearance m",
   iif(command_change_mean IS NULL, NULL, printf('%.3f', command_change_mean)) AS "mean change")";
-constexpr std::size_t kForPersonColumns = 7;
+constexpr std::size_t kForPersonColumns = 8;
 
 constexpr const char* kWithoutErrors = "without errors %";
 

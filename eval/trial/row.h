@@ -101,17 +101,17 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                .absent("unless the trial succeeds")
                .in_table("To goal"));
   v.member("time_bound_s", &R::time_bound_s,
-           metric("least time to the goal", "s", kNeither,
+           metric("time bound", "s", kNeither,
                   "least time found from rest to rest at the goal for the robot alone, without objects and controller")
                .with_decimals(2)
                .absent("in a world whose goal moves")
                .since(kUnknown));
   v.member("times_bound", &R::times_bound,
-           metric("time to goal over least time", "", kLow, "time_to_goal_s / time_bound_s")
+           metric("times the bound, mean", "", kLow, "time_to_goal_s / time_bound_s")
                .with_decimals(2)
                .absent("unless the trial succeeds, or where the goal moves")
                .since(kUnknown)
-               .in_table("x least")
+               .in_table("x bound")
                .in_summary());
   v.member("position_error_m", &R::position_error_m,
            metric("final position error", "m", kLow, "distance to the goal at the end").in_table("Error"));
