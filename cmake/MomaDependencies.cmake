@@ -8,7 +8,11 @@ if(MOMA_WHEEL_PREFIX)
 endif()
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-pkg_check_modules(tinyxml REQUIRED tinyxml)
+find_package(urdfdom REQUIRED)
+if(NOT urdfdom_VERSION)  # Debian's package does not say it
+  pkg_check_modules(urdfdom_pc QUIET urdfdom)
+  set(urdfdom_VERSION "${urdfdom_pc_VERSION}")
+endif()
 # coalConfig looks for Boost by the old module, which warns that it is newer than CMake.
 set(Boost_NO_WARN_NEW_VERSIONS ON)
 find_package(coal 3.0.3 REQUIRED)

@@ -14,7 +14,7 @@ say() { printf 'setup: %s\n' "$*" >&2; }
 # ---- Debian packages --------------------------------------------------------------------------------------------
 packages=(
   build-essential ca-certificates ccache cmake ninja-build pkg-config python3-venv python3-dev
-  libode-dev libeigen3-dev libtinyxml-dev libnlopt-cxx-dev libsqlite3-dev libsqlitecpp-dev libyaml-cpp-dev
+  libode-dev libeigen3-dev liburdfdom-dev libnlopt-cxx-dev libsqlite3-dev libsqlitecpp-dev libyaml-cpp-dev
   nlohmann-json3-dev libcli11-dev libfmt-dev librandom123-dev libzstd-dev libxxhash-dev zlib1g-dev
   libmicrohttpd-dev libboost-dev
   libopenmpi-dev openmpi-bin

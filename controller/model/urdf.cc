@@ -1,14 +1,16 @@
 #include "controller/model/urdf.h"
 
+#include <console_bridge/console.h>
 #include <tinyxml.h>
+#include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
+#include <mutex>
+#include <new>
 #include <set>
 #include <sstream>
-#include <string_view>
 #include <utility>
 
 #include "controller/model/text_check.h"
@@ -17,427 +19,86 @@
 namespace moma {
 namespace {
 
-using Names = std::vector<std::string_view>;
-
-constexpr double kLeastSize = 1e-9;  // [m], or a factor
-constexpr double kMostSize = 1e9;
-
-bool holds(const Names& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-std::string list_of(const Names& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
-    text += names[i];
-  }
-  return text;
-}
-
-// Elements of other programs: <drake:...>, but never elements left by xacro, which may have been a part of the robot.
-bool of_other_programs(std::string_view name) {
-  return name.find(':') != std::string_view::npos && !name.starts_with("xacro:");
-}
-
-// Allowed contents of an element: `once` at most once, `often` any number of times, `aside` for other programs.
-struct Content {
-  Names once;
-  Names often;
-  Names aside;
-};
-
-std::string name_of(const TiXmlElement& element) {
-  const char* name = element.Attribute("name");
-  return name != nullptr ? name : "";
-}
-
-/// Rotation about the fixed axes x, y and z, in this order, by way of the quaternion as urdfdom computes it.
-Matrix3 rotation_of(const Vector3& rpy) {
-  const Vector3 half = 0.5 * rpy;
-  const double sx = std::sin(half.x()), sy = std::sin(half.y()), sz = std::sin(half.z());
-  const double cx = std::cos(half.x()), cy = std::cos(half.y()), cz = std::cos(half.z());
-  const double x = sx * cy * cz - cx * sy * sz, y = cx * sy * cz + sx * cy * sz;
-  const double z = cx * cy * sz - sx * sy * cz, w = cx * cy * cz + sx * sy * sz;
-  const double length = std::sqrt(x * x + y * y + z * z + w * w);
-  return Eigen::Quaterniond(w / length, x / length, y / length, z / length).normalized().toRotationMatrix();
-}
-
-/// Reads elements. Faults are noted, one sentence each, and where they stand nothing is read.
-class Reader {
+// Captures urdfdom's messages for the error's text. Its handler is global, hence the lock.
+class MessageCapture : public console_bridge::OutputHandler {
  public:
-  explicit Reader(const char* part) : part_(part) {}
-
-  const std::vector<std::string>& faults() const { return faults_; }
-
-  void check_robot(const TiXmlElement& robot) {
-    content(robot, "robot", {{}, {"link", "joint"}, {"material", "transmission", "gazebo", "sensor", "ros2_control"}});
+  MessageCapture() : lock_(mutex()) { console_bridge::useOutputHandler(this); }
+  ~MessageCapture() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR) text_ += (text_.empty() ? "" : "; ") + text;
   }
-
-  UrdfLink link(const TiXmlElement& element) {
-    UrdfLink link;
-    link.name = name_of(element);
-    const std::string where = "link " + (link.name.empty() ? "without a name" : link.name);
-    content(element, where,
-            {{"inertial"},
-             {"collision", "visual"},
-             {"contact", "gravity", "kinematic", "self_filter", "surface", "collision_checking",
-              "self_collision_checking", "sensor", "gazebo", "material"}});
-    if (const TiXmlElement* inertial = element.FirstChildElement("inertial"))
-      link.inertial = whole([&] { return this->inertial(*inertial, where + ", inertial"); });
-    int number = 0;
-    for (const TiXmlElement* part : children(element, part_)) {
-      const std::string at = where + ", " + part_ + " " + std::to_string(++number);
-      if (auto geometry = whole([&] { return this->geometry(*part, at); }))
-        link.collision.push_back(std::move(*geometry));
-    }
-    return link;
-  }
-
-  UrdfJoint joint(const TiXmlElement& element) {
-    UrdfJoint joint;
-    joint.name = name_of(element);
-    const std::string where = "joint " + (joint.name.empty() ? "without a name" : joint.name);
-    content(element, where,
-            {{"origin", "parent", "child", "axis", "limit", "mimic"},
-             {},
-             {"calibration", "dynamics", "safety_controller", "gazebo"}});
-    attributes_of_child(element, where, "parent", {"link"});
-    attributes_of_child(element, where, "child", {"link"});
-    attributes_of_child(element, where, "axis", {"xyz"});
-    attributes_of_child(element, where, "limit", {"lower", "upper", "velocity", "effort"},
-                        {"acceleration", "deceleration", "jerk", "command_effort", "current", "gear_velocity"});
-    attributes_of_child(element, where, "mimic", {"joint", "multiplier", "offset"});
-    attributes_of_child(element, where, "origin", {"xyz", "rpy"});
-    const char* type = element.Attribute("type");
-    const auto known = from_string<UrdfJointType>(type != nullptr ? type : "");
-    if (!known) throw UrdfError(where + ": unknown type; expected one of: " + list_of_words<UrdfJointType>());
-    joint.type = *known;
-    const std::size_t before = faults_.size();
-    joint.X_PJ = origin(element, where);
-    UrdfJoint driven = joint;
-    const bool moves = joint.type != UrdfJointType::kFixed && joint.type != UrdfJointType::kFloating;
-    const TiXmlElement* axis = element.FirstChildElement("axis");
-    if (moves && axis != nullptr) driven.axis = vector(*axis, where, "xyz");
-    if (const TiXmlElement* limit = element.FirstChildElement("limit")) read_limits(*limit, where, driven);
-    if (const TiXmlElement* mimic = element.FirstChildElement("mimic")) driven.mimic = read_mimic(*mimic, where);
-    if (faults_.size() != before) throw UrdfError(faults_.back());  // without a joint it is another robot
-    if (!moves) return joint;
-    const double length = driven.axis.norm();
-    if (!(length > 1e-9) || !std::isfinite(length)) throw UrdfError(where + ": its axis has no direction");
-    if (std::abs(length - 1.0) > 1e-12) driven.axis /= length;
-    return driven;
-  }
+  const std::string& text() const { return text_; }
 
  private:
-  void fault(const TiXmlElement& element, const std::string& where, const std::string& what) {
-    faults_.push_back("line " + std::to_string(element.Row()) + ": " + where + ": " + what);
+  static std::mutex& mutex() {
+    static std::mutex m;
+    return m;
   }
-
-  /// What `read` returns, unless it notes a fault.
-  template <class Read>
-  auto whole(const Read& read) -> std::optional<decltype(read())> {
-    const std::size_t before = faults_.size();
-    std::optional out(read());
-    if (faults_.size() != before) out.reset();
-    return out;
-  }
-
-  /// Of a name that may stand once, the first element is read.
-  void content(const TiXmlElement& parent, const std::string& where, const Content& allowed) {
-    Names seen;
-    for (const TiXmlElement* child : children(parent)) {
-      const std::string_view name = child->ValueStr();
-      const bool once = holds(allowed.once, name);
-      if (once && holds(seen, name)) {
-        fault(*child, where, "a second <" + std::string(name) + ">; one is accepted");
-      } else if (!once && !holds(allowed.often, name) && !holds(allowed.aside, name) && !of_other_programs(name)) {
-        Names accepted = allowed.once;
-        accepted.insert(accepted.end(), allowed.often.begin(), allowed.often.end());
-        fault(*child, where, "<" + std::string(name) + "> is not understood; expected " + list_of(accepted));
-      }
-      seen.push_back(name);
-    }
-  }
-
-  void attributes(const TiXmlElement& element, const std::string& where, const Names& accepted,
-                  const Names& aside = {}) {
-    for (const TiXmlAttribute* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
-      const std::string_view name = a->NameTStr();
-      if (holds(accepted, name) || holds(aside, name) || of_other_programs(name)) continue;
-      fault(element, where,
-            "the attribute '" + std::string(name) + "' of <" + element.ValueStr() + "> is not understood; expected " +
-                list_of(accepted));
-    }
-  }
-
-  void attributes_of_child(const TiXmlElement& parent, const std::string& where, const char* child,
-                           const Names& accepted, const Names& aside = {}) {
-    if (const TiXmlElement* element = parent.FirstChildElement(child)) attributes(*element, where, accepted, aside);
-  }
-
-  // `count` finite numbers between blanks.
-  std::optional<std::vector<double>> numbers(const TiXmlElement& element, const std::string& where, const char* name,
-                                             std::size_t count) {
-    const std::string* text = element.Attribute(std::string(name));
-    const std::string attribute = element.ValueStr() + " " + name;
-    const std::string expected = count == 1 ? "a number" : std::to_string(count) + " numbers with blanks between them";
-    if (text == nullptr) {
-      fault(element, where, attribute + " is missing; expected " + expected);
-      return {};
-    }
-    std::vector<double> values;
-    bool good = true;
-    const char* at = text->data();
-    const char* const end = at + text->size();
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
-    while (good) {
-      while (at != end && blank(*at)) ++at;
-      if (at == end) break;
-      if (*at == '+') ++at;
-      double value = 0.0;
-      const auto [stop, error] = std::from_chars(at, end, value);
-      good = error == std::errc() && std::isfinite(value) && (stop == end || blank(*stop));
-      at = stop;
-      values.push_back(value);
-    }
-    if (good && values.size() == count) return values;
-    fault(element, where, attribute + "=\"" + text->substr(0, 100) + "\" is not understood; expected " + expected);
-    return {};
-  }
-
-  double number(const TiXmlElement& element, const std::string& where, const char* name) {
-    const auto values = numbers(element, where, name, 1);
-    return values ? values->front() : 0.0;
-  }
-
-  Vector3 vector(const TiXmlElement& element, const std::string& where, const char* name) {
-    const auto values = numbers(element, where, name, 3);
-    return values ? Vector3((*values)[0], (*values)[1], (*values)[2]) : Vector3(Vector3::Zero());
-  }
-
-  /// Sizes of a solid; factors of a mesh may be negative, which mirrors it.
-  Vector3 sizes(const TiXmlElement& element, const std::string& where, const char* name, std::size_t count) {
-    const auto values = numbers(element, where, name, count);
-    if (!values) return Vector3::Ones();
-    Vector3 sizes = Vector3::Zero();
-    for (std::size_t i = 0; i < count; ++i) {
-      const double value = sizes[static_cast<Eigen::Index>(i)] = (*values)[i];
-      const double measure = std::string_view(name) == "scale" ? std::abs(value) : value;
-      if (measure >= kLeastSize && measure <= kMostSize) continue;
-      fault(element, where,
-            element.ValueStr() + " " + name + "=\"" + element.Attribute(name) +
-                "\": every size must be above 0, from 1e-9 to 1e9");
-      break;
-    }
-    return sizes;
-  }
-
-  Isometry origin(const TiXmlElement& parent, const std::string& where) {
-    Isometry X = Isometry::Identity();
-    const TiXmlElement* origin = parent.FirstChildElement("origin");
-    if (origin == nullptr) return X;
-    if (origin->Attribute("xyz") != nullptr) X.translation() = vector(*origin, where, "xyz");
-    if (origin->Attribute("rpy") != nullptr) X.linear() = rotation_of(vector(*origin, where, "rpy"));
-    return X;
-  }
-
-  UrdfGeometry geometry(const TiXmlElement& part, const std::string& where) {
-    UrdfGeometry out;
-    // <surface>: friction and stiffness of Gazebo's contacts; the geometry alone collides.
-    content(part, where, {{"origin", "geometry"}, {}, {"material", "verbose", "surface"}});
-    attributes_of_child(part, where, "origin", {"xyz", "rpy"});
-    out.X_LS = origin(part, where);
-    const TiXmlElement* geometry = part.FirstChildElement("geometry");
-    if (geometry == nullptr) {
-      fault(part, where, "there is no <geometry>");
-      return out;
-    }
-    const Names kinds{"box", "cylinder", "sphere", "mesh"};
-    content(*geometry, where + ", geometry", {kinds, {}, {}});
-    std::vector<const TiXmlElement*> shapes;
-    for (const TiXmlElement* child : children(*geometry))
-      if (holds(kinds, child->ValueStr()) && child == geometry->FirstChildElement(child->Value()))
-        shapes.push_back(child);
-    if (shapes.size() != 1) {
-      fault(*geometry, where,
-            shapes.empty() ? "<geometry> holds no shape; expected " + list_of(kinds)
-                           : "<geometry> holds more than one shape");
-      return out;
-    }
-    read_shape(*shapes.front(), where, out);
-    return out;
-  }
-
-  void read_shape(const TiXmlElement& shape, const std::string& where, UrdfGeometry& out) {
-    const std::string& kind = shape.ValueStr();
-    if (kind == "box") {
-      attributes(shape, where, {"size"});
-      out.shape = {ShapeKind::kBox, sizes(shape, where, "size", 3), nullptr};
-    } else if (kind == "sphere") {
-      attributes(shape, where, {"radius"});
-      out.shape = {ShapeKind::kSphere, sizes(shape, where, "radius", 1), nullptr};
-    } else if (kind == "cylinder") {
-      attributes(shape, where, {"radius", "length"});
-      const double radius = sizes(shape, where, "radius", 1).x();
-      out.shape = {ShapeKind::kCylinder, {radius, sizes(shape, where, "length", 1).x(), 0.0}, nullptr};
-    } else {
-      attributes(shape, where, {"filename", "scale"});
-      const char* file = shape.Attribute("filename");
-      out.mesh = file != nullptr ? file : "";
-      if (out.mesh.empty()) fault(shape, where, "mesh filename is missing; expected a file");
-      if (shape.Attribute("scale") != nullptr) out.scale = sizes(shape, where, "scale", 3);
-    }
-  }
-
-  Inertial inertial(const TiXmlElement& element, const std::string& where) {
-    content(element, where, {{"origin", "mass", "inertia"}, {}, {}});
-    attributes_of_child(element, where, "origin", {"xyz", "rpy"});
-    const Isometry X_LI = origin(element, where);
-    Inertial out;
-    out.com_L = X_LI.translation();
-    if (const TiXmlElement* mass = element.FirstChildElement("mass")) {
-      attributes(*mass, where, {"value"});
-      out.mass = number(*mass, where, "value");
-      if (out.mass < 0.0) fault(*mass, where, "the mass must not be negative");
-    } else {
-      fault(element, where, "there is no <mass>");
-    }
-    const TiXmlElement* inertia = element.FirstChildElement("inertia");
-    if (inertia == nullptr) {
-      fault(element, where, "there is no <inertia>");
-      return out;
-    }
-    attributes(*inertia, where, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}, {"iyx", "izx", "izy"});
-    const auto moment = [&](const char* name) { return number(*inertia, where, name); };
-    // The other half of a symmetric matrix, which some exporters write as well.
-    const auto product = [&](const char* name, const char* mirror) {
-      const double value = moment(name);
-      if (inertia->Attribute(mirror) != nullptr && moment(mirror) != value)
-        fault(*inertia, where, std::string(mirror) + " differs from " + name + ": an inertia is symmetric");
-      return value;
-    };
-    const double ixy = product("ixy", "iyx"), ixz = product("ixz", "izx"), iyz = product("iyz", "izy");
-    Matrix3 I;
-    I << moment("ixx"), ixy, ixz, ixy, moment("iyy"), iyz, ixz, iyz, moment("izz");
-    out.I_C = X_LI.linear() * I * X_LI.linear().transpose();
-    if (!out.I_C.allFinite()) fault(*inertia, where, "its inertia is not finite");
-    return out;
-  }
-
-  void read_limits(const TiXmlElement& limit, const std::string& where, UrdfJoint& joint) {
-    const auto read = [&](const char* name) -> std::optional<double> {
-      if (limit.Attribute(name) == nullptr) return std::nullopt;
-      return number(limit, where, name);
-    };
-    const bool range = limit.Attribute("lower") != nullptr || limit.Attribute("upper") != nullptr;
-    if (range && joint.type != UrdfJointType::kContinuous) {
-      joint.lower = read("lower").value_or(0.0);
-      joint.upper = read("upper").value_or(0.0);
-    }
-    joint.velocity = read("velocity");
-    joint.effort = read("effort");
-  }
-
-  UrdfMimic read_mimic(const TiXmlElement& element, const std::string& where) {
-    UrdfMimic mimic;
-    const char* joint = element.Attribute("joint");
-    if (joint == nullptr) throw UrdfError(where + ": mimic joint is missing; expected the name of a joint");
-    mimic.joint = joint;
-    if (element.Attribute("multiplier") != nullptr) mimic.multiplier = number(element, where, "multiplier");
-    if (element.Attribute("offset") != nullptr) mimic.offset = number(element, where, "offset");
-    return mimic;
-  }
-
-  const char* part_;  // name of the elements that are read as collision
-  std::vector<std::string> faults_;
+  std::lock_guard<std::mutex> lock_;
+  std::string text_;
 };
 
-/// A joint with the names of the links that it joins.
-struct Joining {
-  UrdfJoint joint;
-  std::string parent, child;
-};
+using MissingLimits = std::map<std::string, std::set<std::string>>;  // joint -> lower, upper, velocity, effort
 
-/// By name of the joint, which is the order of children.
-std::map<std::string, Joining> read_joints(const TiXmlElement& robot, Reader& reader) {
-  std::map<std::string, Joining> joints;
-  for (const TiXmlElement* element : children(robot, "joint")) {
-    Joining read{reader.joint(*element), "", ""};
-    const std::string name = read.joint.name;
-    for (const auto& [which, link] : {std::pair{"parent", &read.parent}, {"child", &read.child}}) {
-      const TiXmlElement* of = element->FirstChildElement(which);
-      const char* given = of != nullptr ? of->Attribute("link") : nullptr;
-      if (given == nullptr) throw UrdfError("joint " + name + ": its " + which + " link is missing");
-      *link = given;
+// urdfdom refuses joints without limits, which may come from the robot file: zeros are inserted and noted.
+MissingLimits complete_limits(TiXmlElement& robot) {
+  MissingLimits missing;
+  for (TiXmlElement* joint : children(robot, "joint")) {
+    const char* name = joint->Attribute("name");
+    const char* type = joint->Attribute("type");
+    if (name == nullptr || type == nullptr) continue;  // urdfdom reports it
+    TiXmlElement* limit = joint->FirstChildElement("limit");
+    if (limit == nullptr) {
+      TiXmlElement empty("limit");
+      limit = joint->InsertEndChild(empty)->ToElement();
     }
-    if (name.empty()) throw UrdfError("a joint has no name");
-    if (!joints.emplace(name, std::move(read)).second) throw UrdfError("joint " + name + " is there twice");
+    std::set<std::string>& none = missing[name];
+    if (limit->Attribute("lower") == nullptr && limit->Attribute("upper") == nullptr) none.insert({"lower", "upper"});
+    for (const char* key : {"velocity", "effort"}) {
+      if (limit->Attribute(key) != nullptr) continue;
+      none.insert(key);
+      limit->SetAttribute(key, "0");
+    }
   }
-  return joints;
+  return missing;
 }
 
-std::map<std::string, UrdfLink> read_links(const TiXmlElement& robot, Reader& reader) {
-  std::map<std::string, UrdfLink> links;
-  std::size_t shapes = 0;
-  for (const TiXmlElement* element : children(robot, "link")) {
-    UrdfLink link = reader.link(*element);
-    const std::string name = link.name;
-    shapes += link.collision.size();
-    if (name.empty()) throw UrdfError("a link has no name");
-    if (name == "@base") throw UrdfError("a link is called @base, which is the mobile base's name");
-    if (!links.emplace(name, std::move(link)).second) throw UrdfError("link " + name + " is there twice");
-  }
-  if (links.size() > kMaxUrdfLinks) throw UrdfError("more than " + std::to_string(kMaxUrdfLinks) + " links");
-  if (shapes > kMaxUrdfShapes) throw UrdfError("more than " + std::to_string(kMaxUrdfShapes) + " collision elements");
-  return links;
+void remove_all(TiXmlElement& parent, const char* name) {
+  for (TiXmlElement* child : children(parent, name)) parent.RemoveChild(child);
 }
 
-/// `link` is not below the first root: it is below another one, or on a loop.
-[[noreturn]] void refuse_second_root(const std::map<std::string, const Joining*>& above, std::string link) {
-  std::set<std::string> passed;
-  for (auto up = above.find(link); up != above.end(); up = above.find(link)) {
-    if (!passed.insert(link).second) throw UrdfError("link " + link + " hangs on itself, by joints that form a loop");
-    link = up->second->parent;
+// Without a root urdfdom leaks links that own each other.
+void refuse_loops(const TiXmlElement& robot) {
+  std::map<std::string, std::set<std::string>> parents;  // of each link on a joint
+  for (const TiXmlElement* joint : children(robot, "joint")) {
+    const TiXmlElement* parent = joint->FirstChildElement("parent");
+    const TiXmlElement* child = joint->FirstChildElement("child");
+    const char* from = parent != nullptr ? parent->Attribute("link") : nullptr;
+    const char* to = child != nullptr ? child->Attribute("link") : nullptr;
+    if (from != nullptr && to != nullptr) parents[to].insert(from);
   }
-  throw UrdfError("link " + link + " hangs on no joint, and is not the only one: a robot has one root");
-}
-
-std::vector<UrdfLink> tree_of(std::map<std::string, UrdfLink> links, const std::map<std::string, Joining>& joints) {
-  if (links.empty()) throw UrdfError("there is no link");
-  std::map<std::string, const Joining*> above;               // of a link
-  std::map<std::string, std::vector<const Joining*>> below;  // of a link
-  for (const auto& [name, joining] : joints) {
-    for (const std::string& link : {joining.parent, joining.child})
-      if (links.count(link) == 0) throw UrdfError("joint " + name + ": there is no link " + link);
-    if (!above.emplace(joining.child, &joining).second)
-      throw UrdfError("link " + joining.child + " hangs on several joints");
-    below[joining.parent].push_back(&joining);
-  }
-  struct Open {
-    std::string link;
-    int parent;
+  if (parents.size() > kMaxUrdfLinks) throw UrdfError("more than " + std::to_string(kMaxUrdfLinks) + " links");
+  // Removes links without parents, then links whose parents were removed: the rest hangs on a loop.
+  const auto gone = [&](const auto& entry) {
+    return std::none_of(entry.second.begin(), entry.second.end(),
+                        [&](const std::string& parent) { return parents.count(parent) != 0; });
   };
-  std::vector<Open> stack;
-  for (const auto& [name, link] : links) {
-    if (above.count(name) != 0) continue;
-    stack.push_back({name, -1});
-    break;
+  while (std::erase_if(parents, gone) > 0) {
   }
-  std::vector<UrdfLink> tree;
-  while (!stack.empty()) {
-    const Open open = stack.back();
-    stack.pop_back();
-    UrdfLink& link = tree.emplace_back(std::move(links.extract(open.link).mapped()));
-    link.parent = open.parent;
-    if (open.parent >= 0) link.joint = above.at(open.link)->joint;
-    const int index = static_cast<int>(tree.size()) - 1;
-    const std::vector<const Joining*>& children = below[open.link];
-    for (auto child = children.rbegin(); child != children.rend(); ++child) stack.push_back({(*child)->child, index});
-  }
-  if (!links.empty()) refuse_second_root(above, links.begin()->first);
-  return tree;
+  if (parents.empty()) return;
+  std::string link = parents.begin()->first;
+  for (std::set<std::string> passed; passed.insert(link).second;)
+    for (const std::string& parent : parents.at(link))
+      if (parents.count(parent) != 0) link = parent;
+  throw UrdfError("link " + link + " hangs on itself, by joints that form a loop");
 }
+
+struct Amended {
+  std::string text;
+  bool named = true;
+  MissingLimits missing;
+  std::vector<std::string> left_out;
+};
 
 [[noreturn]] void refuse(const std::vector<std::string>& faults) {
   constexpr std::size_t kShown = 5;
@@ -457,12 +118,12 @@ void check_encoding(const std::string& text, const TiXmlDocument& document) {
         "characters by number, as &#233;, need <?xml version=\"1.0\" encoding=\"UTF-8\"?> as the first line");
 }
 
-/// The <robot> of a document that is made of the text.
-TiXmlElement& parse(const std::string& text, TiXmlDocument& document) {
+Amended amend(const std::string& text, UrdfReading reading) {
   if (const std::size_t at = not_text(text); at != std::string::npos)
     throw UrdfError("line " + std::to_string(line_of(text, at)) + ": " + not_text_message(text, at));
   if (xml_depth(text) > kMaxXmlDepth)
     throw UrdfError("elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep");
+  TiXmlDocument document;
   document.Parse(text.c_str());
   if (document.Error()) {
     throw UrdfError("not valid XML: " + std::string(document.ErrorDesc()) + " at row " +
@@ -474,25 +135,201 @@ TiXmlElement& parse(const std::string& text, TiXmlDocument& document) {
   if (const TiXmlElement* other = robot->NextSiblingElement(); other != nullptr)
     throw UrdfError("after </robot> stands <" + other->ValueStr() + "> at row " + std::to_string(other->Row()) +
                     ", which nothing reads: a URDF has one element, <robot>");
-  return *robot;
+  for (const char* name : {"material", "transmission", "gazebo", "sensor"}) remove_all(*robot, name);
+  for (TiXmlElement* link : children(*robot, "link")) remove_all(*link, "visual");
+  Amended amended;
+  amended.left_out = remove_invalid_parts(*robot);
+  if (reading == UrdfReading::kStrict && !amended.left_out.empty()) refuse(amended.left_out);
+  if (robot->Attribute("name") == nullptr) {
+    amended.named = false;
+    robot->SetAttribute("name", "robot");  // urdfdom requires one
+  }
+  refuse_loops(*robot);
+  amended.missing = complete_limits(*robot);
+  TiXmlPrinter printer;
+  document.Accept(&printer);
+  amended.text = printer.Str();
+  return amended;
 }
 
-/// `part`: the elements of links that are read as collision.
-UrdfTree read(const TiXmlElement& robot, UrdfReading reading, const char* part) {
-  Reader reader(part);
-  reader.check_robot(robot);
-  std::map<std::string, UrdfLink> links = read_links(robot, reader);
-  const std::map<std::string, Joining> joints = read_joints(robot, reader);
-  if (reading == UrdfReading::kStrict && !reader.faults().empty()) refuse(reader.faults());
-  return {name_of(robot), tree_of(std::move(links), joints), reader.faults()};
+Vector3 vector_of(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
+
+Isometry isometry_of(const urdf::Pose& pose, const std::string& where) {
+  const Eigen::Quaterniond quaternion(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
+  Isometry X = Isometry::Identity();
+  X.linear() = quaternion.normalized().toRotationMatrix();
+  X.translation() = vector_of(pose.position);
+  if (!X.matrix().allFinite()) throw UrdfError(where + ": its origin is not made of finite numbers");
+  return X;
+}
+
+UrdfJointType type_of(const urdf::Joint& joint) {
+  static const std::map<int, UrdfJointType> kTypes{
+      {urdf::Joint::FIXED, UrdfJointType::kFixed},           {urdf::Joint::REVOLUTE, UrdfJointType::kRevolute},
+      {urdf::Joint::CONTINUOUS, UrdfJointType::kContinuous}, {urdf::Joint::PRISMATIC, UrdfJointType::kPrismatic},
+      {urdf::Joint::FLOATING, UrdfJointType::kFloating},     {urdf::Joint::PLANAR, UrdfJointType::kPlanar}};
+  const auto found = kTypes.find(joint.type);
+  if (found == kTypes.end()) throw UrdfError("joint " + joint.name + ": unknown type");
+  return found->second;
+}
+
+UrdfJoint joint_of(const urdf::Joint& source, const std::set<std::string>& missing) {
+  const std::string where = "joint " + source.name;
+  UrdfJoint joint;
+  joint.name = source.name;
+  joint.type = type_of(source);
+  joint.X_PJ = isometry_of(source.parent_to_joint_origin_transform, where);
+  if (joint.type == UrdfJointType::kFixed || joint.type == UrdfJointType::kFloating) return joint;
+  joint.axis = vector_of(source.axis);
+  const double length = joint.axis.norm();
+  if (!(length > 1e-9) || !std::isfinite(length)) throw UrdfError(where + ": its axis has no direction");
+  if (std::abs(length - 1.0) > 1e-12) joint.axis /= length;
+  const auto limit = [&](const char* key, double value) -> std::optional<double> {
+    if (missing.count(key) != 0) return std::nullopt;
+    if (!std::isfinite(value)) throw UrdfError(where + ": limit " + key + " is not a finite number");
+    return value;
+  };
+  if (source.limits) {
+    if (joint.type != UrdfJointType::kContinuous) {
+      joint.lower = limit("lower", source.limits->lower);
+      joint.upper = limit("upper", source.limits->upper);
+    }
+    joint.velocity = limit("velocity", source.limits->velocity);
+    joint.effort = limit("effort", source.limits->effort);
+  }
+  if (source.mimic) joint.mimic = UrdfMimic{source.mimic->joint_name, source.mimic->multiplier, source.mimic->offset};
+  return joint;
+}
+
+std::optional<Inertial> inertial_of(const urdf::Link& link) {
+  if (!link.inertial) return std::nullopt;
+  const urdf::Inertial& source = *link.inertial;
+  const std::string where = "link " + link.name + ", inertial";
+  const Isometry X_LI = isometry_of(source.origin, where);
+  Matrix3 I;
+  I << source.ixx, source.ixy, source.ixz, source.ixy, source.iyy, source.iyz, source.ixz, source.iyz, source.izz;
+  Inertial inertial;
+  inertial.mass = source.mass;
+  inertial.com_L = X_LI.translation();
+  inertial.I_C = X_LI.linear() * I * X_LI.linear().transpose();
+  if (!std::isfinite(inertial.mass) || inertial.mass < 0.0 || !inertial.I_C.allFinite())
+    throw UrdfError(where + ": mass and inertia must be finite, and the mass not negative");
+  return inertial;
+}
+
+UrdfGeometry geometry_of(const urdf::Collision& source, const std::string& where) {
+  UrdfGeometry geometry;
+  geometry.X_LS = isometry_of(source.origin, where);
+  Shape& shape = geometry.shape;
+  switch (source.geometry->type) {
+    case urdf::Geometry::SPHERE:
+      shape = {ShapeKind::kSphere, {static_cast<const urdf::Sphere&>(*source.geometry).radius, 0.0, 0.0}, nullptr};
+      break;
+    case urdf::Geometry::BOX:
+      shape = {ShapeKind::kBox, vector_of(static_cast<const urdf::Box&>(*source.geometry).dim), nullptr};
+      break;
+    case urdf::Geometry::CYLINDER: {
+      const auto& cylinder = static_cast<const urdf::Cylinder&>(*source.geometry);
+      shape = {ShapeKind::kCylinder, {cylinder.radius, cylinder.length, 0.0}, nullptr};
+      break;
+    }
+    case urdf::Geometry::MESH: {
+      const auto& mesh = static_cast<const urdf::Mesh&>(*source.geometry);
+      geometry.mesh = mesh.filename;
+      geometry.scale = vector_of(mesh.scale);
+      break;
+    }
+  }
+  const Vector3 extent = geometry.mesh.empty() ? shape.size : geometry.scale.cwiseAbs();
+  const int sizes = geometry.mesh.empty() ? num_sizes(shape.kind) : 3;
+  if (!extent.allFinite() || !(extent.head(sizes).minCoeff() > 0.0))
+    throw UrdfError(where + ": every size must be above 0");
+  return geometry;
+}
+
+UrdfLink link_of(const urdf::Link& source) {
+  UrdfLink link;
+  link.name = source.name;
+  link.inertial = inertial_of(source);
+  for (const auto& collision : source.collision_array)
+    if (collision && collision->geometry)
+      link.collision.push_back(geometry_of(*collision, "link " + link.name + ", collision"));
+  return link;
+}
+
+// Links own their children: a loop among them would never be freed.
+struct LoopBreaker {
+  urdf::ModelInterface& model;
+  ~LoopBreaker() {
+    for (const auto& [name, link] : model.links_) link->child_links.clear();
+  }
+};
+
+void check_size(const urdf::ModelInterface& model) {
+  std::size_t shapes = 0;
+  for (const auto& [name, link] : model.links_) shapes += link->collision_array.size();
+  if (model.links_.size() > kMaxUrdfLinks) throw UrdfError("more than " + std::to_string(kMaxUrdfLinks) + " links");
+  if (shapes > kMaxUrdfShapes) throw UrdfError("more than " + std::to_string(kMaxUrdfShapes) + " collision elements");
+}
+
+UrdfTree parse(const std::string& text, UrdfReading reading) {
+  Amended amended = amend(text, reading);
+  urdf::ModelInterfaceSharedPtr model;
+  {
+    MessageCapture capture;
+    try {
+      model = urdf::parseURDF(amended.text);
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& e) {
+      throw UrdfError(e.what() + (capture.text().empty() ? std::string() : "; " + capture.text()));
+    }
+    if (!model) throw UrdfError(capture.text().empty() ? "not a valid URDF" : capture.text());
+    // Elements that urdfdom dropped with a message although the checks above passed them.
+    if (!capture.text().empty()) amended.left_out.push_back(capture.text());
+  }
+  const LoopBreaker breaker{*model};
+  if (reading == UrdfReading::kStrict && !amended.left_out.empty()) refuse(amended.left_out);
+  check_size(*model);
+  if (!model->getRoot()) throw UrdfError("there is no root link");
+
+  UrdfTree tree;
+  if (amended.named) tree.name = model->getName();
+  tree.left_out = std::move(amended.left_out);
+  std::set<std::string> seen;
+  struct Open {
+    urdf::LinkConstSharedPtr link;
+    int parent;
+  };
+  std::vector<Open> stack{{model->getRoot(), -1}};
+  while (!stack.empty()) {
+    const Open open = stack.back();
+    stack.pop_back();
+    if (!seen.insert(open.link->name).second) throw UrdfError("link " + open.link->name + " hangs on several joints");
+    UrdfLink link = link_of(*open.link);
+    link.parent = open.parent;
+    if (open.parent >= 0) {
+      const urdf::Joint& joint = *open.link->parent_joint;
+      link.joint = joint_of(joint, amended.missing.at(joint.name));
+    }
+    tree.links.push_back(std::move(link));
+    const int index = static_cast<int>(tree.links.size()) - 1;
+    for (auto child = open.link->child_links.rbegin(); child != open.link->child_links.rend(); ++child)
+      stack.push_back({*child, index});
+  }
+  for (const auto& [name, link] : model->links_)
+    if (name == "@base") {
+      throw UrdfError("a link is called @base, which is the mobile base's name");
+    } else if (seen.count(name) == 0)
+      throw UrdfError("link " + name + " is not connected to the root " + tree.links[0].name);
+  return tree;
 }
 
 }  // namespace
 
 UrdfTree read_urdf(const std::string& text, UrdfReading reading) {
   try {
-    TiXmlDocument document;
-    return read(parse(text, document), reading, "collision");
+    return parse(text, reading);
   } catch (const UrdfError& e) {
     // Elements left by xacro do no harm, so this is only a hint.
     const bool xacro = text.find("<xacro:") != std::string::npos;
@@ -503,6 +340,11 @@ UrdfTree read_urdf(const std::string& text, UrdfReading reading) {
 namespace {
 
 using Colours = std::map<std::string, Vector3>;  // by material
+
+std::string name_of(const TiXmlElement& element) {
+  const char* name = element.Attribute("name");
+  return name != nullptr ? name : "";
+}
 
 std::optional<Vector3> own_colour(const TiXmlElement* material) {
   const TiXmlElement* colour = material != nullptr ? material->FirstChildElement("color") : nullptr;
@@ -540,16 +382,25 @@ std::optional<Vector3> colour_of(const TiXmlElement& visual, const Colours& colo
 }  // namespace
 
 std::vector<UrdfVisual> read_urdf_visuals(const std::string& text) {
-  read_urdf(text, UrdfReading::kLenient);  // refuses broken files
+  read_urdf(text, UrdfReading::kLenient);  // refuses broken files and files too deep for the parser
   TiXmlDocument document;
-  const TiXmlElement& robot = parse(text, document);
+  document.Parse(text.c_str());
+  TiXmlElement& robot = *document.FirstChildElement("robot");
   const Colours colours = all_colours(robot);
+
+  // Visuals have the form of collision elements: they are renamed, read and checked as such.
   std::map<std::string, std::vector<std::optional<Vector3>>> painted;
-  for (const TiXmlElement* link : children(robot, "link"))
-    for (const TiXmlElement* visual : children(*link, "visual"))
+  for (TiXmlElement* link : children(robot, "link")) {
+    remove_all(*link, "collision");
+    for (TiXmlElement* visual : children(*link, "visual")) {
       painted[name_of(*link)].push_back(colour_of(*visual, colours));
+      visual->SetValue("collision");
+    }
+  }
+  TiXmlPrinter printer;
+  document.Accept(&printer);
   std::vector<UrdfVisual> visuals;
-  for (const UrdfLink& link : read(robot, UrdfReading::kLenient, "visual").links) {
+  for (const UrdfLink& link : read_urdf(printer.Str(), UrdfReading::kLenient).links) {
     const auto& paint = painted[link.name];
     const bool whole = paint.size() == link.collision.size();  // nothing was left out: each has its own
     for (std::size_t i = 0; i < link.collision.size(); ++i)

@@ -64,7 +64,7 @@ struct UrdfTree {
   std::vector<std::string> left_out;  ///< with UrdfReading::kLenient: a sentence each, with line, link and element
 };
 
-/// Treatment of invalid shapes, masses and elements.
+/// Treatment of invalid shapes, masses and elements (xml_check.h).
 enum class UrdfReading {
   kStrict,   ///< as errors
   kLenient,  ///< left out, and listed
@@ -73,11 +73,10 @@ enum class UrdfReading {
 inline constexpr std::size_t kMaxUrdfLinks = 1000;
 inline constexpr std::size_t kMaxUrdfShapes = 256;  ///< collision elements
 
-/// Reads a URDF's links and joints: visuals, materials, transmissions and simulators' extensions (robots.md lists them)
-/// are ignored, with any faults in them. With kLenient an unknown or repeated element, an unknown attribute, and a
-/// collision element or an <inertial> with an invalid number, size or geometry are left out, and nothing else. Limits
-/// may be missing. Throws UrdfError for broken XML (with row and column), no or several roots, loops, a bad number, a
-/// zero axis, more than the limits above, and with kStrict any other invalid element.
+/// Reads a URDF's text through urdfdom. Reads links and joints only: visuals, materials, transmissions and simulator
+/// extensions are ignored, with any faults in them. Limits may be missing. Throws UrdfError for broken XML (with row
+/// and column), no or several roots, loops, a bad number, a zero axis, more than the limits above, and with kStrict any
+/// other invalid element.
 UrdfTree read_urdf(const std::string& text, UrdfReading reading = UrdfReading::kStrict);
 
 /// One <visual> of a URDF: the look of a link or a part of it.

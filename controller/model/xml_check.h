@@ -3,7 +3,9 @@
 #include <string>
 #include <vector>
 
-// Checks of XML and COLLADA before readers without checks of their own get them (docs/adr/0011).
+class TiXmlElement;
+
+// Checks of XML, URDF and COLLADA before readers without checks of their own get them (docs/adr/0011).
 namespace moma {
 
 /// Largest nesting depth of XML elements: parsers recurse, so deeper files are refused before parsing.
@@ -30,5 +32,12 @@ std::vector<Element*> children(Element& parent, const char* name = nullptr) {
 /// unit that is no length, indices or counts on which a reader never ends or reads beyond the data (COLLADA 1.4.1,
 /// section 5).
 double collada_unit(const std::string& text);
+
+/// Removes invalid parts of a <robot> element that concern links and joints: unknown or repeated elements, unknown
+/// attributes, invalid numbers, sizes out of range, missing or unknown geometry. A collision element or an <inertial>
+/// with such a fault is removed as a whole, and nothing else. Simulators' extensions (robots.md lists them) are
+/// ignored. Returns one sentence per fault: "line 7: link arm, collision 2, geometry: ...". Invalid numbers of joints
+/// are left to urdfdom, which refuses the whole file.
+std::vector<std::string> remove_invalid_parts(TiXmlElement& robot);
 
 }  // namespace moma

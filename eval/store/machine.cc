@@ -56,7 +56,7 @@ Machine this_machine() {
   machine.cpu = cpu_model();
   machine.cpu_count = static_cast<int>(std::thread::hardware_concurrency());
   const nlohmann::ordered_json libraries = {{"ode", kOdeVersion},           {"eigen", kEigenVersion},
-                                            {"coal", kCoalVersion},         {"tinyxml", kTinyxmlVersion},
+                                            {"coal", kCoalVersion},         {"urdfdom", kUrdfdomVersion},
                                             {"qp", kQpSolverVersion},       {"sqlite", sqlite3_libversion()},
                                             {"zstd", ZSTD_versionString()}, {"glibc", gnu_get_libc_version()}};
   machine.libraries = libraries.dump();

@@ -12,7 +12,7 @@ extern const char* const kCompilerFlags;
 extern const char* const kOdeVersion;
 extern const char* const kEigenVersion;
 extern const char* const kCoalVersion;
-extern const char* const kTinyxmlVersion;
+extern const char* const kUrdfdomVersion;
 extern const char* const kQpSolverVersion;
 
 /// The commit that was checked out when the program was built; "" outside of a git checkout.

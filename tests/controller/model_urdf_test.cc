@@ -239,6 +239,7 @@ TEST(Urdf, HasLimits) {
   EXPECT_NE(message(deep).find("nested more than 200 deep"), std::string::npos);
 }
 
+// Said before urdfdom sees them, which would never free them.
 TEST(Urdf, LoopsAreRefused) {
   const auto message = [](const std::vector<std::pair<std::string, std::string>>& joints) -> std::string {
     std::string text = "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/>";

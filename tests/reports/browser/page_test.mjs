@@ -345,7 +345,7 @@ if (moma !== undefined) {
   check((await page.locator('.paired-words:not(.found):not(.soon)').count()) === 1, 'under one condition they are compared');
   const origin = await page.locator('#provenance').innerText();
   check(/objects\.range/.test(origin), 'provenance lists the values');
-  check(/tinyxml \d/.test(origin) && !/ ,/.test(origin), `every library has its version: ${/Libraries.*/s.exec(origin)?.[0].slice(0, 200)}`);
+  check(/urdfdom \d/.test(origin) && !/ ,/.test(origin), `every library has its version: ${/Libraries.*/s.exec(origin)?.[0].slice(0, 200)}`);
   await noOverflow(page, 'conditions');
   await context.close();
 }
