@@ -62,6 +62,7 @@ void ControllerCore::reset(std::span<const ObjectShape> objects) {
   object_names_.clear();
   for (const ObjectShape& object : objects) object_names_.push_back(object.name);
   poser_.set_objects(objects);
+  assessment_.allocate(objects.size());
   fallback_.allocate(poser_.problem().n(), poser_.problem().capacity());
   escape_.reset();
   if (predictor_.on()) predictor_.reset(objects);
@@ -116,7 +117,7 @@ bool ControllerCore::usable(const Observation& o) const noexcept {
       o.objects.size() != object_names_.size())
     return false;
   if (!std::isfinite(o.time) || !o.base.allFinite() || !o.q.allFinite() || !o.qdot.allFinite() ||
-      !o.goal.X_WG.matrix().allFinite() || !o.goal.V_WG_W.allFinite())
+      !o.goal.X_WG.matrix().allFinite() || !o.goal.V_WG_W.allFinite() || !o.goal.free.allFinite())
     return false;
   for (const ObjectState& object : o.objects)
     if (object.visible &&

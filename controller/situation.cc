@@ -6,25 +6,45 @@
 
 namespace moma {
 
+void copy_observation(const Observation& from, Observation& to) noexcept {
+  to.time = from.time;
+  to.base = from.base;
+  to.q = from.q;
+  to.qdot = from.qdot;
+  to.goal = from.goal;
+  std::copy_n(from.objects.begin(), std::min(from.objects.size(), to.objects.size()), to.objects.begin());
+}
+
 Assessment::Assessment(std::shared_ptr<const RobotModel> model, const ControllerParams& params)
     : params_(params),
       base_dof_(model->base_dof()),
       prismatic_(model->num_joints()),
       kinematics_(model),
       J_m_(VectorX::Zero(model->num_joints())) {
+  aimed_.q = J_m_;
+  aimed_.qdot = VectorX::Zero(model->num_velocities());
   for (int i = 0; i < model->num_joints(); ++i)
     prismatic_[i] = model->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? 1 : 0;
 }
 
-Situation Assessment::assess(const Observation& o, std::span<const PlaceSpread> spreads, const Execution& execution,
+Situation Assessment::assess(const Observation& seen, std::span<const PlaceSpread> spreads, const Execution& execution,
                              StepClock* clock) noexcept {
   enter(clock, StepPart::kKinematics);
-  kinematics_.update(o.base, o.q);
+  kinematics_.update(seen.base, seen.q);
+  const bool whole = is_whole(seen.goal);
   Task servo;
+  if (!whole) {
+    copy_observation(seen, aimed_);
+    aimed_.goal.X_WG = nearest_pose(seen.goal, kinematics_.X_WE());
+    servo.free = seen.goal.free;
+    servo.R_WG = seen.goal.X_WG.linear();
+  }
+  const Observation& o = whole ? seen : aimed_;
   servo.error = pose_error(kinematics_.X_WE(), o.goal.X_WG);
   const Vector6 error =
       params_.servo.error == ServoError::kRpy ? pose_error_rpy(kinematics_.X_WE(), o.goal.X_WG) : servo.error;
-  servo.nu = servo_twist(params_.servo, error, o.goal.V_WG_W);
+  servo.nu = o.goal.stop ? servo_twist(params_.servo, error, o.goal.V_WG_W)
+                         : passing_twist(params_.servo, error, o.goal.V_WG_W);
   servo.raw_error_norm = error_norm(params_.error_norm, servo.error);
   servo.error_norm = std::min(std::max(servo.raw_error_norm, params_.error_norm.min), params_.error_norm.max);
   servo.theta_eps = base_dof_ > 0 ? bearing(kinematics_.X_WB(), kinematics_.X_WE().translation()) : 0.0;

@@ -33,12 +33,17 @@ struct Situation {
   StepClock* clock;  ///< clock of the step's parts, or null
 };
 
+/// Copies an observation of no more objects. Does not allocate if sizes stay.
+void copy_observation(const Observation& from, Observation& to) noexcept;
+
 /// Computes Situation: forward kinematics, pose error, servo twist and manipulability. One per controller; assess()
 /// does not allocate.
 class Assessment {
  public:
   Assessment(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
+  void allocate(std::size_t num_objects) { aimed_.objects.assign(num_objects, ObjectState{}); }
+  /// Where the goal leaves directions free, its pose in the situation is the one that is nearest to E.
   Situation assess(const Observation& o, std::span<const PlaceSpread> spreads, const Execution& execution,
                    StepClock* clock) noexcept;
 
@@ -52,6 +57,7 @@ class Assessment {
   Eigen::VectorXi prismatic_;  // 1 for prismatic joints
   Kinematics kinematics_;
   VectorX J_m_;
+  Observation aimed_;  // with the goal's nearest pose, if it is not whole
 };
 
 }  // namespace moma

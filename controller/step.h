@@ -17,7 +17,18 @@ namespace moma {
 struct GoalState {
   Isometry X_WG = Isometry::Identity();
   Vector6 V_WG_W = Vector6::Zero();
+  bool stop = true;                ///< false: E passes through it, and another goal follows
+  Vector6 free = Vector6::Zero();  ///< not 0: rotation about, or place along, this axis of G is free [rx ry rz x y z]
 };
+
+/// True if the goal fixes the whole pose.
+inline bool is_whole(const GoalState& goal) noexcept { return goal.free.isZero(0.0); }
+
+/// Returns the pose that the goal allows nearest to X_WE: its own one if it is_whole(). With one free rotation, about
+/// axis a, or two, about the axes other than a, R_GE = R_swing R_twist with R_twist about a: the goal takes over the
+/// twist, or the swing. Places are projected onto the axes of G that are not free.
+/// Source: swing-twist decomposition, e.g. Dobrowolski, arXiv 1506.05481. Real-time safe.
+Isometry nearest_pose(const GoalState& goal, const Isometry& X_WE) noexcept;
 
 /// Sensed quantities at one step, never the simulator's true state.
 struct Observation {

@@ -33,6 +33,12 @@ constexpr void describe(auto& v, Of<GoalState>) {
   using T = GoalState;
   v.member("pose", &T::X_WG, {.required = true});
   v.member("twist", &T::V_WG_W, quantity("rad/s, m/s", "[angular; linear], the goal's own; 0 where it stands still"));
+  v.member("stop", &T::stop,
+           {.written = Written::kUnlessDefault, .text = "where it is not, the hand passes through on its way on"});
+  v.member("free", &T::free,
+           {.range = {0.0, 1.0},
+            .written = Written::kUnlessDefault,
+            .text = "1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z"});
 }
 
 constexpr void describe(auto& v, Of<Observation>) {
@@ -45,7 +51,7 @@ constexpr void describe(auto& v, Of<Observation>) {
   v.member("q", &T::q, {.unit = "rad or m", .per = Per::kJoint, .required = true, .text = "joint positions"});
   v.member("qdot", &T::qdot,
            {.unit = "rad/s or m/s", .per = Per::kVelocity, .text = "measured velocities, base first"});
-  v.member("goal", &T::goal, {.required = true, .text = "a pose and its twist"});
+  v.member("goal", &T::goal, {.required = true, .text = "a pose, its twist and what it asks for"});
   v.member("objects", &T::objects, {.text = "in the order of the reset"});
 }
 

@@ -24,7 +24,7 @@ extern "C" {
 
 /** Raised whenever a function or struct below changes, and with it the protocol of processes
  * (plugin/process/session.h). A library made for another version is refused. */
-#define MOMA_PLUGIN_ABI 3
+#define MOMA_PLUGIN_ABI 4
 
 #if defined(_WIN32)
 #define MOMA_PLUGIN_EXPORT __declspec(dllexport)
@@ -90,6 +90,8 @@ typedef struct moma_observation {
   double goal_position[3];
   double goal_rotation[9];
   double goal_twist[6]; /**< the goal's own, at its point; 0 for a goal that stands still */
+  double goal_stop;     /**< 0: the hand passes through the goal, and another one follows */
+  double goal_free[6];  /**< 1: rotation about, or place along, this axis of the goal is free; rx ry rz x y z */
   const double* q;
   const double* qdot;               /**< measured, num_velocities */
   const moma_object_state* objects; /**< in the order of moma_plugin_start() */

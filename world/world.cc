@@ -41,9 +41,10 @@ void object_states(const World& world, double t, std::vector<ObjectState>& state
   }
 }
 
-GoalState goal_state(const World& world, double t) {
-  const MovingPose pose = evaluate(world.goal.motion, world.goal.X_WG, t);
-  return {pose.X, pose.V_W};
+GoalState goal_state(const World& world, double t, std::size_t index) {
+  const WorldGoal& goal = goal_of(world, index);
+  const MovingPose pose = evaluate(goal.motion, goal.X_WG, t);
+  return {pose.X, pose.V_W, goal.stop, goal.free};
 }
 
 }  // namespace moma

@@ -30,6 +30,8 @@ struct WorldGoal {
   Isometry X_WG = Isometry::Identity();  ///< at t = 0
   Motion motion;
   Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();  ///< see set_pose()
+  bool stop = true;                ///< false: it counts as reached as soon as E is within tolerance
+  Vector6 free = Vector6::Zero();  ///< 1: a free direction (GoalState)
 };
 
 struct Difficulty {
@@ -49,8 +51,9 @@ struct World {
   std::string robot;
   Configuration start;
   WorldGoal goal;
+  std::vector<WorldGoal> further;  ///< goals after it, one after the other
   std::vector<WorldObject> objects;
-  Configuration witness;  ///< reaches the goal (at t = 0) clear of all objects
+  Configuration witness;  ///< reaches the first goal (at t = 0) clear of all objects
   Difficulty difficulty;
   std::optional<double> time_bound;  ///< of time_bound() [s], where it is known; no part of world files
   std::shared_ptr<const Moves> moves;  ///< moves of the random numbers of its disturbances; null: none
@@ -65,6 +68,10 @@ std::vector<ObjectShape> object_shapes(const World& world);
 
 /// Computes true poses and twists at time t into vectors already sized to world.objects.
 void object_states(const World& world, double t, std::vector<ObjectState>& states);
-struct GoalState goal_state(const World& world, double t);
+/// Goal number `index`, from 0: world.goal, then world.further.
+inline const WorldGoal& goal_of(const World& world, std::size_t index) {
+  return index == 0 ? world.goal : world.further[index - 1];
+}
+struct GoalState goal_state(const World& world, double t, std::size_t index = 0);
 
 }  // namespace moma

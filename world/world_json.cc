@@ -32,6 +32,10 @@ Json write_value(const Q& q, const About&) {
 Json write_value(const WorldGoal& goal, const About&);
 Json write_value(const WorldObject& object, const About&);
 
+/// In the order of GoalState::free.
+enum class Direction { kRx, kRy, kRz, kX, kY, kZ };
+constexpr auto words(Of<Direction>) { return std::to_array<std::string_view>({"rx", "ry", "rz", "x", "y", "z"}); }
+
 /// In the order of Motion's alternatives.
 enum class MotionKind { kStatic, kLinear, kPath, kCircle, kSpline };
 constexpr auto words(Of<MotionKind>) {
@@ -147,6 +151,11 @@ void read_value(const Node& node, const std::string& key, Eigen::Quaterniond& q,
 void read_value(const Node& node, const std::string& key, WorldGoal& goal, const About&) {
   MapReader in(node, key);
   read_placed(in, goal, &WorldGoal::X_WG, "twist", true);
+  in.read("stop", goal.stop);
+  std::vector<Direction> free;
+  if (const Node* found = in.get("free")) config::description::read_any(*found, in.key_of("free"), free, {}, {});
+  for (const Direction direction : free) goal.free[static_cast<Eigen::Index>(direction)] = 1.0;
+  in.check(!goal.free.isOnes(0.0), "free", "expected a direction that is not free");
   in.finish();
 }
 
@@ -176,6 +185,9 @@ void read_value(const Node& node, const std::string& key, Move& move, const Abou
 Json write_value(const WorldGoal& goal, const About&) {
   Json json = Json::object();
   write_placed(json, goal, goal.X_WG, "twist");
+  if (!goal.stop) json["stop"] = false;
+  for (int i = 0; i < 6; ++i)
+    if (goal.free[i] != 0.0) json["free"].push_back(to_string(static_cast<Direction>(i)));
   return json;
 }
 
@@ -213,7 +225,9 @@ Json to_json(const Motion& motion) {
 
 Json to_json(const World& world) {
   Json json = config::write_described(world);
-  json["goal"] = write_value(world.goal, {});
+  if (world.further.empty()) json["goal"] = write_value(world.goal, {});
+  for (std::size_t i = 0; !world.further.empty() && i <= world.further.size(); ++i)
+    json["goals"].push_back(write_value(goal_of(world, i), {}));
   Json& objects = json["objects"] = Json::array();
   for (const WorldObject& object : world.objects) objects.push_back(write_value(object, {}));
   json["witness"] = config::write_described(world.witness);
@@ -232,7 +246,18 @@ World world_from_node(const Node& node, const std::string& key) {
   MapReader in(node, key);
   World out;
   config::read_members(in, out);
-  read_value(in.require("goal", "{position, quaternion, ...}"), in.key_of("goal"), out.goal, {});
+  if (const Node* several = in.get("goals")) {
+    if (in.get("goal") != nullptr) in.fail_at("goals", "expected either goal or goals");
+    config::description::read_any(*several, in.key_of("goals"), out.further, {}, {});
+    if (out.further.empty()) in.fail_at("goals", "expected at least one goal");
+    if (!out.further.back().stop) in.fail_at("goals", "expected a last goal with stop: true");
+    out.goal = std::move(out.further.front());
+    out.further.erase(out.further.begin());
+  } else {
+    read_value(in.require("goal", "{position, quaternion, ...}, or goals: a list of them"), in.key_of("goal"), out.goal,
+               {});
+    if (!out.goal.stop) in.fail_at("goal", "expected stop: true, since no other goal follows");
+  }
   const auto read = [&in](const char* name, auto& value) {
     if (const Node* found = in.get(name)) config::description::read_any(*found, in.key_of(name), value, {}, {});
   };

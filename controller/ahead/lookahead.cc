@@ -208,7 +208,8 @@ void Lookahead::decide_among_traffic() noexcept {
 
 void Lookahead::follow(const Observation& o, Following& following) noexcept {
   PlanBrief& brief = state_.brief;
-  shift_ = shift_of_goal(mobile_, state_.path.X_WG, o.goal.X_WG);
+  // A pose that the robot chooses among those of its goal moves with the robot.
+  shift_ = shift_of_goal(mobile_ && is_whole(o.goal), state_.path.X_WG, o.goal.X_WG);
   // The path's clock waits for objects that will pass.
   long looks = kWatched;
   const double meet = params_.decisions.meet, wait = params_.decisions.wait;
@@ -298,8 +299,9 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
       return;
     }
   }
-  // The policy is never quicker than a direct way.
-  const bool due = state_.brief.reason != PlanReason::kDirectWay && (state_.steps >= state_.next || news_);
+  // The policy is never quicker than a direct way, unless that stops where the policy passes through.
+  const bool direct = state_.brief.reason == PlanReason::kDirectWay && o.goal.stop;
+  const bool due = !direct && (state_.steps >= state_.next || news_);
   if (job_ == Job::kNone && !due && !stuck()) return;
   const double rest = state_.path.duration - state_.brief.clock + params_.settle;
   if (!predict(o, EscapeState{}, std::min(params_.horizon, rest), budget)) return;

@@ -44,15 +44,6 @@ double least_time(const ServoParams& servo, const Vector6& error, const RolloutL
                   least_time(error.head<3>().norm(), servo.orientation, servo.max_angular, limits.orientation));
 }
 
-void copy_observation(const Observation& from, Observation& to) noexcept {
-  to.time = from.time;
-  to.base = from.base;
-  to.q = from.q;
-  to.qdot = from.qdot;
-  to.goal = from.goal;
-  std::copy_n(from.objects.begin(), std::min(from.objects.size(), to.objects.size()), to.objects.begin());
-}
-
 Rollout::Rollout(std::shared_ptr<const RobotModel> model, ControllerParams params, double period)
     : model_(model),
       period_(period),

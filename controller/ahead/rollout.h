@@ -40,9 +40,6 @@ RolloutLimits prediction_limits(const PlanParams& plan, const EscapeParams& esca
 /// which its twist is clamped, then exponentially.
 double least_time(const ServoParams& servo, const Vector6& error, const RolloutLimits& limits) noexcept;
 
-/// Copies an observation of no more objects. Does not allocate if sizes stay.
-void copy_observation(const Observation& from, Observation& to) noexcept;
-
 /// A rollout simulates the controller's own policy in a model of the world: drives ramp the base as the robot's do, all
 /// other velocities follow commands at once and are integrated exactly, objects and goal keep their twists.
 ///

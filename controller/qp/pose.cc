@@ -20,6 +20,23 @@ void add_tracking_rows(const Matrix6X& J_WE_W, const Vector6& nu, const Vector6&
   }
 }
 
+// Turns the rows of the rotation into axes of E, about which a free rotation turns, those of the place into axes of G.
+// The row of a free direction bounds nothing.
+void free_directions(const Kinematics& kinematics, const Task& task, QpProblem& problem) noexcept {
+  const int nv = static_cast<int>(kinematics.J_WE_W().cols());
+  const Matrix3 axes[] = {kinematics.X_WE().linear(), task.R_WG};
+  for (int i = 0; i < 6; ++i) {
+    const int first = 3 * (i / 3);
+    const bool free = task.free[i] != 0.0;
+    const Vector3 n_W = axes[i / 3].col(i % 3);
+    const double band = 0.5 * (problem.ubA[i] - problem.lbA[i]);
+    const double nu = n_W.dot(task.nu.segment<3>(first));
+    problem.lbA[i] = free ? -kInfinity : nu - band;
+    problem.ubA[i] = free ? kInfinity : nu + band;
+    for (int j = 0; j < nv; ++j) problem.A(i, j) = n_W.dot(kinematics.J_WE_W().col(j).segment<3>(first));
+  }
+}
+
 }  // namespace
 
 QpPoser::QpPoser(std::shared_ptr<const RobotModel> model, const ControllerParams& params, double control_period)
@@ -96,6 +113,7 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   // A path that leads close to the objects of its goal keeps clear by itself: the damper's rate would slow it down.
   collision_.keep_from_resting(stop_, asked.keeps.at_goal < kInfinity ? params_.plan.follow.rate : 0.0);
   add_tracking_rows(now.kinematics.J_WE_W(), asked.task.nu, params_.tracking_band, params_.slack.enabled, problem_);
+  if (!asked.task.free.isZero(0.0)) free_directions(now.kinematics, asked.task, problem_);
   collision_.add(now.kinematics, now.o.objects, now.spreads, problem_);
   if (!asked.evades) {
     separation_.add(now.kinematics, proximity_, now.o.objects, now.spreads, problem_);

@@ -202,6 +202,7 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   for (std::size_t i = 0; i < o.objects.size(); ++i) predict_object(o.objects[i], i);
   object_memory_.look(o, out_.objects, m.objects);
   filter_.measure(o.goal.X_WG, o.goal.V_WG_W, m.goal);
+  out_.goal = o.goal;
   out_.goal.X_WG = m.goal.X_W();
   out_.goal.V_WG_W.setZero();
   if (m.goal.moving) {

@@ -16,6 +16,8 @@ struct Task {
   double theta_eps = 0.0;                 ///< bearing of E seen from the base frame [rad]; 0 for a fixed base
   Vector6 slack_scale = Vector6::Ones();  ///< factors on the slack's weight, row by row
   bool detour = false;                    ///< on a detour (escape.h): its posture term acts
+  Vector6 free = Vector6::Zero();         ///< not 0: of this direction, about axes of E or along axes of G, no row
+  Matrix3 R_WG = Matrix3::Identity();     ///< those axes of G; unused where nothing is free
 };
 
 /// Returns e = [log(R_d R^T); p_d - p] in world axes.
@@ -29,6 +31,10 @@ Vector6 pose_error_rpy(const Isometry& X_WE, const Isometry& X_WG) noexcept;
 /// Returns nu = [k_R e_R; k_p e_p], each part clamped in length with its direction kept, + V_d (Lynch & Park 2017,
 /// 11.17, with the feed-forward of the goal, whose subscript the article's summary drops).
 Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept;
+
+/// The same towards a goal that is passed through: of the error times clip(0.3 m / max(|e_p|, 0.3 m |e_R|), 1, 3), so
+/// that E keeps its speed from 0.3 m to 0.1 m before the goal, and comes three times as quickly from there.
+Vector6 passing_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept;
 
 /// ||e|| before clamping: |e_p|_2, |e_p|_1, or sqrt(|e_p|^2 + (scale |e_R|)^2).
 double error_norm(const ErrorNormParams& params, const Vector6& error) noexcept;

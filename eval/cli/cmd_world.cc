@@ -35,10 +35,14 @@ void print(const World& world) {
   std::cout << fmt::format("world {} of family {}, seed {}, robot {}\n", world.index, terminal_safe(world.family),
                            world.seed, terminal_safe(world.robot));
   std::cout << fmt::format("start    base {} q {}\n", vector_text(world.start.base), vector_text(world.start.q));
-  const Eigen::Quaterniond q(world.goal.X_WG.linear());
-  std::cout << fmt::format("goal     position {} quaternion (w x y z) {}, {}\n",
-                           vector_text(world.goal.X_WG.translation()),
-                           vector_text(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z())), motion_text(world.goal.motion));
+  for (std::size_t i = 0; i <= world.further.size(); ++i) {
+    const WorldGoal& goal = goal_of(world, i);
+    const Eigen::Quaterniond q(goal.X_WG.linear());
+    std::cout << fmt::format("goal     position {} quaternion (w x y z) {}, {}{}\n",
+                             vector_text(goal.X_WG.translation()),
+                             vector_text(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z())), motion_text(goal.motion),
+                             goal.stop ? "" : ", passed through");
+  }
   std::cout << fmt::format("witness  base {} q {}\n\n", vector_text(world.witness.base), vector_text(world.witness.q));
   const Difficulty& d = world.difficulty;
   write(std::cout,

@@ -13,6 +13,21 @@ JOIN trial AS t ON t.key = m.key
 JOIN world AS w ON w.id = t.world_id
 LEFT JOIN execution AS e ON e.key = t.key;
 
+-- The goals of trials in worlds of several, one row for each that was reached, numbered from 1. `time_s` since the start,
+-- `leg_s` since the goal before it.
+CREATE VIEW v_goals AS
+SELECT t.trial AS trial, s.name AS suite, p.controller AS controller, p.label AS point, m.family AS family,
+       m.world_index AS world, m.outcome AS outcome, g.key + 1 AS goal,
+       0.0 + json_extract(g.value, '$.time_s') AS time_s,
+       0.0 + json_extract(g.value, '$.time_s')
+         - CASE g.key WHEN 0 THEN 0.0 ELSE json_extract(t.goals, '$[' || (g.key - 1) || '].time_s') END AS leg_s,
+       0.0 + json_extract(g.value, '$.clearance_m') AS clearance_m
+FROM point_trial AS m
+JOIN trial AS t ON t.key = m.key
+JOIN point AS p ON p.id = m.point_id
+JOIN suite AS s ON s.id = p.suite_id
+JOIN json_each(t.goals) AS g;
+
 -- Rates with Wilson's 95 % interval (z = 1.959963984540054); the median is over successful trials, means over the
 -- trials that have the value. A trial that ended by an error did not succeed: else a controller could leave every
 -- difficult world to errors. `errors` counts them within n; success_without_errors is the rate of the other trials. The

@@ -29,6 +29,13 @@ void observe(const PlantState& truth, const std::vector<ObjectState>& objects, c
   observation.objects = objects;
 }
 
+/// The rule for a goal: who passes through it does not dwell.
+DwellRule rule_of(const TrialSpec& spec, const WorldGoal& goal) {
+  SuccessRule rule = spec.success;
+  if (!goal.stop) rule.dwell = 0.0;
+  return {rule, spec.simulation.control_period};
+}
+
 // |x| + |y| + |z| + |roll| + |pitch| + |yaw| of X_EG.
 double l1_error(const Isometry& X_WE, const Isometry& X_WG) {
   const Isometry X_EG = X_WE.inverse() * X_WG;
@@ -49,14 +56,17 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
       last_step_(std::max(1L, periods_in(spec.simulation.time_limit, period_))),
       kinematics_(spec.robot->model),
       proximity_(spec.robot->model),
-      dwell_(spec.success, period_),
+      dwell_(rule_of(spec, world.goal)),
       stuck_(spec.stuck, any(spec.disturbances), period_),
       infeasible_(spec.infeasible, period_),
       separation_(spec),
       objects_(world.objects.size()),
-      goal_(goal_state(world, 0.0)),
-      goal_moves_(!at_rest(world.goal.motion, 0.0)),
       told_(object_shapes(world)) {
+  take_goal();
+  if (!world_.further.empty()) {
+    r_.row.goals_reached = 0.0;
+    r_.row.goals = "[]";
+  }
   proximity_.set_objects(told_);
   object_states(world_, 0.0, objects_);
   objects_move_ = std::any_of(world_.objects.begin(), world_.objects.end(),
@@ -68,8 +78,7 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
   }
   if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
   r_.control_period = period_;
-  r_.moving_goal = goal_moves_;
-  if (!goal_moves_) {
+  if (!goal_moves_ && world.further.empty() && is_whole(goal_)) {
     const double bound = world.time_bound ? *world.time_bound : time_bound(spec.robot->model, world).time;
     if (std::isfinite(bound)) r_.row.time_bound_s = bound;
   }
@@ -82,6 +91,30 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
   r_.states.reserve(expected + 1);
   r_.step_seconds.reserve(expected);
   plant_.check_start(report_);
+}
+
+/// Makes goal number goal_index_ the present one.
+void TrialLoop::take_goal() {
+  const WorldGoal& goal = goal_of(world_, goal_index_);
+  goal_ = goal_state(world_, time(k_), goal_index_);
+  goal_moves_ = !at_rest(goal.motion, time(k_));
+  r_.moving_goal = r_.moving_goal || goal_moves_;
+  dwell_ = rule_of(spec_, goal);
+}
+
+/// Notes the present goal of several, and goes on to the next one.
+void TrialLoop::goal_reached() {
+  if (world_.further.empty()) return;
+  TrialRow& row = r_.row;
+  row.goals_reached += 1.0;
+  const double clearance = clearance_.to_objects();
+  row.goals.pop_back();
+  row.goals += fmt::format(R"({}{{"time_s":{},"clearance_m":{}}}])", row.goals.size() > 1 ? "," : "",
+                           time(dwell_.first()), std::isnan(clearance) ? "null" : fmt::format("{}", clearance));
+  if (is_last_goal()) return;
+  ++goal_index_;
+  clearance_ = {};
+  take_goal();
 }
 
 void TrialLoop::truth(Observation& out) const { observe(plant_.state(), objects_, goal_, time(k_), out); }
@@ -198,24 +231,25 @@ bool TrialLoop::measure_state() {
   const PlantState& state = plant_.state();
   if (!state.base.allFinite() || !state.q.allFinite() || !state.qdot.allFinite()) return false;
   if (objects_move_ && k_ > 0) object_states(world_, time(k_), objects_);
-  if (goal_moves_ && k_ > 0) goal_ = goal_state(world_, time(k_));
+  if (goal_moves_ && k_ > 0) goal_ = goal_state(world_, time(k_), goal_index_);
   kinematics_.update(state.base, state.q);
   const Isometry& X_WE = kinematics_.X_WE();
-  error_.head<3>() = log_so3(goal_.X_WG.linear() * X_WE.linear().transpose());
-  error_.tail<3>() = goal_.X_WG.translation() - X_WE.translation();
+  const Isometry X_WG = nearest_pose(goal_, X_WE);
+  error_.head<3>() = log_so3(X_WG.linear() * X_WE.linear().transpose());
+  error_.tail<3>() = X_WG.translation() - X_WE.translation();
 
   r_.last = state;
   StateRecord& record = r_.states.emplace_back();
   record.p_WE = X_WE.translation();
   record.orientation_error = error_.head<3>().norm();
   record.position_error = error_.tail<3>().norm();
-  if (std::isfinite(spec_.success.l1)) record.l1_error = l1_error(X_WE, goal_.X_WG);
+  if (std::isfinite(spec_.success.l1)) record.l1_error = l1_error(X_WE, X_WG);
   const auto J_arm = kinematics_.J_WE_W().rightCols(model_.num_joints());
   record.manipulability = manipulability(J_arm, ManipulabilityRows::kTranslation);
   record.manipulability_all = manipulability(J_arm, ManipulabilityRows::kAll);
   clearance_.look(kinematics_, proximity_, objects_);
-  r_.row.clearance_min_m = clearance_.to_objects();
-  r_.row.clearance_self_min_m = clearance_.to_itself();
+  r_.row.clearance_min_m = std::fmin(r_.row.clearance_min_m, clearance_.to_objects());
+  r_.row.clearance_self_min_m = std::fmin(r_.row.clearance_self_min_m, clearance_.to_itself());
   if (objects_move_) separation_.look(kinematics_, proximity_, objects_, state.qdot);
   return true;
 }
@@ -231,7 +265,11 @@ bool TrialLoop::ends() {
   if (!report_.contacts.empty()) return end(Outcome::kCollision);
   if (!finite_) return end(Outcome::kDiverged, report_.reason.empty() ? "the state is not finite" : report_.reason);
   const StateRecord& now = r_.states.back();
-  if (dwell_.update(k_, now.position_error, now.orientation_error, now.l1_error)) return end(Outcome::kSuccess);
+  if (dwell_.update(k_, now.position_error, now.orientation_error, now.l1_error)) {
+    const bool last = is_last_goal();
+    goal_reached();
+    if (last) return end(Outcome::kSuccess);
+  }
   if (report_.diverged) return end(Outcome::kDiverged, report_.reason);
   if (report_.tipped) return end(Outcome::kTipped, report_.reason);
   if (spec_.simulation.joint_limits != AtJointLimit::kIgnore)
@@ -245,7 +283,7 @@ bool TrialLoop::ends() {
 }
 
 bool TrialLoop::all_at_rest() const {
-  return (!goal_moves_ || at_rest(world_.goal.motion, time(k_))) &&
+  return (!goal_moves_ || at_rest(goal_of(world_, goal_index_).motion, time(k_))) &&
          (!objects_move_ || std::all_of(world_.objects.begin(), world_.objects.end(),
                                         [&](const WorldObject& object) { return at_rest(object.motion, time(k_)); }));
 }

@@ -69,6 +69,9 @@ class TrialLoop {
   bool end(Outcome outcome, std::string reason = {});
   bool ends();
   bool all_at_rest() const;
+  bool is_last_goal() const { return goal_index_ == world_.further.size(); }
+  void take_goal();
+  void goal_reached();
   std::string joint_over_limit() const;
   std::string situation();
   void note_latencies();
@@ -97,6 +100,7 @@ class TrialLoop {
   StepResult result_;
   std::vector<ObjectState> objects_;
   GoalState goal_;
+  std::size_t goal_index_ = 0;
   Vector6 error_ = Vector6::Zero();
   bool objects_move_ = false;
   bool goal_moves_ = false;

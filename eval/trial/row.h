@@ -71,6 +71,8 @@ struct TrialRow {
   int detector_checks = 0;              ///< states in which the two contact detectors were compared
   int detector_disagreements = 0;       ///< pairs in them that touch for one detector alone
   double detector_deepest_m = kAbsent;  ///< the largest of these
+  double goals_reached = kAbsent;
+  std::string goals;  ///< JSON: for each reached goal time_s and clearance_m
 
   struct Timing {
     double t_solve_median_us = kAbsent, t_solve_p99_us = kAbsent, t_solve_max_us = kAbsent;
@@ -104,12 +106,12 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
            metric("time bound", "s", kNeither,
                   "least time found from rest to rest at the goal for the robot alone, without objects and controller")
                .with_decimals(2)
-               .absent("in a world whose goal moves")
+               .absent("unless the world has one fixed pose as its goal")
                .since(kUnknown));
   v.member("times_bound", &R::times_bound,
            metric("times the bound, mean", "", kLow, "time_to_goal_s / time_bound_s")
                .with_decimals(2)
-               .absent("unless the trial succeeds, or where the goal moves")
+               .absent("unless the trial succeeds and has a time bound")
                .since(kUnknown)
                .in_table("x bound")
                .in_summary());
@@ -244,6 +246,15 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
            metric("deepest disagreement of the contact detectors", "m", kLow, "largest depth of such a pair")
                .with_decimals(6)
                .since(kZero));
+  v.member("goals_reached", &R::goals_reached,
+           metric("goals reached", "", kHigh, "number of goals reached")
+               .with_decimals(0)
+               .absent("in a world of one goal")
+               .since(kUnknown));
+  v.member("goals", &R::goals,
+           Column{.earlier = kUnknown,
+                  .text = "JSON, for each goal reached: `time_s` of its start of the dwell, `clearance_m` on the way "
+                          "there; NULL in a world of one goal. v_goals has a row for each"});
   v.inlined(&R::timing);
 }
 

@@ -18,6 +18,7 @@
 #include "controller/config/json_node.h"
 #include "controller/config/object_file.h"
 #include "controller/model/kinematics.h"
+#include "controller/task/servo.h"
 #include "eval/trial/stepped_trial.h"
 #include "eval/trial/trace_json.h"
 #include "python/bindings/robot.h"
@@ -33,8 +34,8 @@ using Numbers = Eigen::Ref<Matrix>;
 using Indices = Eigen::Ref<const Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>>;
 
 constexpr auto kDetails = static_cast<Eigen::Index>(fixed_numbers<Details>());
-constexpr std::size_t kFrame = fixed_numbers<GoalState>();  // a pose and its twist, with which an ObjectState begins
-constexpr std::size_t kSlot = kFrame + 4;                   // of an object: the same, edges 3, visible
+constexpr std::size_t kFrame = fixed_numbers<Isometry>() + 6;  // a pose and its twist: how an ObjectState begins
+constexpr std::size_t kSlot = kFrame + 4;                      // of an object: the same, edges 3, visible
 constexpr Eigen::Index kSignals = 6;  // outcome or -1, time, errors of position and rotation, manipulability, clearance
 
 /// Edges of the box around a shape, along its own axes.
@@ -203,8 +204,7 @@ class Trials {
       Eigen::Map<Vector6> error(pack_without_items(now, seen));
       slot.kinematics->update(now.base, now.q);
       const Isometry& X_WE = slot.kinematics->X_WE();
-      error << log_so3(now.goal.X_WG.linear() * X_WE.linear().transpose()),
-          now.goal.X_WG.translation() - X_WE.translation();
+      error = pose_error(X_WE, nearest_pose(now.goal, X_WE));
       for (std::size_t o = 0; o < std::min(slots_, now.objects.size()); ++o) {
         if (!now.objects[o].visible) continue;
         double* const to = error.data() + 6 + o * kSlot;

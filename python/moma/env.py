@@ -130,7 +130,7 @@ class Env(gymnasium.Env):
 
     An action is a velocity for each of robot.velocities [m/s, rad/s], base first, or whatever step() of a suite's Python
     controller may return, a moma.Step too. An observation is a dict of arrays: time, base (x, y, phi), q, qdot, goal (position,
-    rotation by rows, twist), error ([rotation vector; position] from E to the goal) and, where there are any, objects: a row
+    rotation by rows, twist, stop, free), error ([rotation vector; position] from E to the goal) and, where there are any, objects: a row
     for each with position, rotation, twist, edges of its bounding box and 1; zeros where nothing is visible. `objects` is how
     many rows there are; by default as many as the first 64 worlds need, and a world with more is a ValueError.
 

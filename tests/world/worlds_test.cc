@@ -331,6 +331,26 @@ TEST(Worlds, FileKeepsEveryBit) {
   }
 }
 
+TEST(Worlds, SeveralGoalsKeepEveryBitInTheirFile) {
+  const auto model = robot("frankie");
+  const Worlds source = worlds("seed: 4\nfamilies: {sequence: {on_the_move: true, goals: 3}}");
+  World a = source.make(model, 1);
+  ASSERT_EQ(a.further.size(), 2u);
+  EXPECT_FALSE(a.goal.stop);
+  EXPECT_FALSE(a.further[0].stop);
+  EXPECT_TRUE(a.further[1].stop);
+  a.further[0].free << 0, 0, 1, 1, 0, 0;
+  const nlohmann::ordered_json json = to_json(a);
+  EXPECT_EQ(json["goals"][1]["free"], nlohmann::json({"rz", "x"}));
+  const World b = world_from_json(json, "test");
+  EXPECT_EQ(to_json(b), json);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(goal_of(a, i).X_WG.matrix(), goal_of(b, i).X_WG.matrix());
+    EXPECT_EQ(goal_of(a, i).stop, goal_of(b, i).stop);
+    EXPECT_EQ(goal_of(a, i).free, goal_of(b, i).free);
+  }
+}
+
 TEST(Worlds, ResolvedSectionReadsBack) {
   const Worlds a = worlds(
       "seed: 8\nclearance: 0.04\nfamilies: {clutter: {weight: 2, objects: 3, box_edge: {normal: [0.3, 0.1]}}, open: "
@@ -438,6 +458,17 @@ TEST(Worlds, FileErrorsNameThePlace) {
         w["goal"]["motion"] = {{"kind", "spline"}, {"times", {0, 1}}, {"positions", {{0, 0, 9}, {0, 0, 8}}}};
       },
       "position given");
+  refused([](auto& w) { w["goal"]["stop"] = false; }, "no other goal follows");
+  refused([](auto& w) { w["goal"]["free"] = {"rz", "roll"}; }, "roll");
+  refused([](auto& w) { w["goal"]["free"] = {"rx", "ry", "rz", "x", "y", "z"}; }, "a direction that is not free");
+  refused([](auto& w) { w["goals"] = {w["goal"]}; }, "either goal or goals");
+  const auto several = [](auto& w) -> auto& {
+    w["goals"] = {w["goal"], w["goal"]};
+    w.erase("goal");
+    return w["goals"];
+  };
+  refused([&](auto& w) { several(w)[1]["stop"] = false; }, "a last goal with stop: true");
+  refused([&](auto& w) { several(w).clear(); }, "at least one goal");
   refused([](auto& w) { w.erase("start"); }, "start");
   refused([](auto& w) { w["colour"] = "red"; }, "colour");
 }

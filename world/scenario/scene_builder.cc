@@ -44,6 +44,7 @@ SceneBuilder::SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_
 
 void SceneBuilder::begin(std::uint64_t attempt, World& world) {
   attempt_ = attempt;
+  further_.clear();
   world = World();
   world.index = index_;
   world.seed = seed_;
@@ -115,16 +116,45 @@ bool SceneBuilder::place_goal(const Placement& placement, World& world) {
   return true;
 }
 
-bool SceneBuilder::place_robot(const Placement& placement, World& world) {
-  Draws at_goal = place_bases(placement, world);
+void SceneBuilder::draw_arm(const Placement& placement, Draws& from, VectorX& q) const {
   for (int i = 0; i < model_->num_joints(); ++i) {
     const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
     const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
     const auto [low, high] = drawn_range(joint);
     const double margin = bounded ? std::min(placement.limit_margin, 0.25 * (high - low)) : 0.0;
-    world.witness.q[i] = at_goal.uniform(low + margin, high - margin);
+    q[i] = from.uniform(low + margin, high - margin);
   }
+}
 
+bool SceneBuilder::place_further(const Placement& placement, World& world) {
+  constexpr std::uint64_t kTries = 50;
+  const std::uint64_t number = further_.size() + 1;
+  const Isometry X_WB = number == 1 ? witness_.X_WB() : further_.back().X_WB();
+  Kinematics& at = further_.emplace_back(model_);
+  Configuration witness{Vector3::Zero(), model_->ready};
+  for (std::uint64_t i = 0; i < kTries; ++i) {
+    Draws from = draws(Stream::kGoal, number * kTries + i);
+    const double distance = placement.distance.sample(from);
+    const double direction = placement.direction.sample(from);
+    const double heading = placement.heading.sample(from);
+    draw_arm(placement, from, witness.q);
+    if (mobile())
+      witness.base << X_WB.translation().x() + distance * std::cos(direction),
+          X_WB.translation().y() + distance * std::sin(direction), heading;
+    at.update(witness.base, witness.q);
+    const Isometry& X_WE = at.X_WE();
+    if (X_WE.translation().z() < placement.tip_height ||
+        !check_pose(at, placement.floor_clearance, placement.self_clearance, "further goal"))
+      continue;
+    set_pose(world.further.emplace_back(), X_WE.translation(), Eigen::Quaterniond(X_WE.linear()));
+    return true;
+  }
+  return reject("further goal: no place (tip_height, floor_clearance, self_clearance)");
+}
+
+bool SceneBuilder::place_robot(const Placement& placement, World& world) {
+  Draws at_goal = place_bases(placement, world);
+  draw_arm(placement, at_goal, world.witness.q);
   place_start(world);
   // The result does not depend on the base's pose: one check is enough, but every failed try counts.
   if (!start_checked_ && !check_pose(start_, 0.0, 0.0, "start", true)) return false;
@@ -183,7 +213,9 @@ void SceneBuilder::choose_object(const WorldObject& object) {
 double SceneBuilder::distance_at(const WorldObject& object, double t, double range) {
   one_[0].X_WO = evaluate(object.motion, object.X_WO, t).X;
   const double at_start = nearest(proximity_.query(start_, one_, only_objects(range)), range);
-  return nearest(proximity_.query(witness_, one_, only_objects(range)), at_start);
+  double least = nearest(proximity_.query(witness_, one_, only_objects(range)), at_start);
+  for (const Kinematics& at : further_) least = nearest(proximity_.query(at, one_, only_objects(range)), least);
+  return least;
 }
 
 bool SceneBuilder::leaves_start_room(const WorldObject& object) {
@@ -269,6 +301,8 @@ void SceneBuilder::measure(World& world) {
   object_states(world, 0.0, states);
   proximity_.set_objects(object_shapes(world));
   out.witness_clearance_m = nearest(proximity_.query(witness_, states, only_objects(1e3)), 1e3);
+  for (const Kinematics& at : further_)
+    out.witness_clearance_m = nearest(proximity_.query(at, states, only_objects(1e3)), out.witness_clearance_m);
 
   int blocked = 0;
   for (int k = 0; k <= kPoints; ++k) {

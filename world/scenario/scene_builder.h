@@ -85,8 +85,12 @@ class SceneBuilder {
 
   /// Draws start, witness and goal, and checks them against floor and self-collision.
   bool place_robot(const Placement& placement, World& world);
-  /// Does the same with a drawn arm at the start as well: each joint of start and witness is uniform in the middle
-  /// `range` [0, 1] of its limits. Ignores `placement.limit_margin`; both configurations keep off floor and self.
+  /// Draws a further goal after the last one, from a witness of its own, which objects keep off as well: `distance`,
+  /// `direction` and `heading` are those from the last witness's base.
+  bool place_further(const Placement& placement, World& world);
+  /// Does as place_robot() with a drawn arm at the start as well: each joint of start and witness is uniform in the
+  /// middle `range` [0, 1] of its limits. Ignores `placement.limit_margin`; both configurations keep off floor and
+  /// self.
   bool place_pair(const Placement& placement, double range, World& world);
   /// Keeps start and witness of the world, unchecked, and sets the goal to the witness's tool pose.
   void take_robot(World& world);
@@ -123,6 +127,7 @@ class SceneBuilder {
 
  private:
   Draws place_bases(const Placement& placement, World& world) const;
+  void draw_arm(const Placement& placement, Draws& from, VectorX& q) const;
   void place_start(const World& world);
   bool place_goal(const Placement& placement, World& world);
   bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who,
@@ -138,7 +143,8 @@ class SceneBuilder {
   std::shared_ptr<const Moves> moves_;
   Room room_;
   Kinematics start_, witness_;
-  Proximity proximity_;  ///< one for self pairs and objects: geometry of meshes takes long to build
+  std::vector<Kinematics> further_;  ///< witnesses of further goals
+  Proximity proximity_;              ///< one for self pairs and objects: geometry of meshes takes long to build
   FloorReach reach_;
   std::vector<ObjectState> one_;
   Vector3 start_tip_ = Vector3::Zero();

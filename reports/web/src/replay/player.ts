@@ -22,7 +22,7 @@ import { Playback } from './playback';
 import { Robot } from './robot';
 import { readRows, RowWords } from './rows';
 import { filmButton, pictureButton, type Shown } from './saving';
-import { ReplayScene, type WorldJson } from './scene';
+import { reachedTimes, ReplayScene, type WorldJson } from './scene';
 import { signals, statusAt, Timeline } from './timeline';
 import { decode, type Trace } from './trace';
 
@@ -226,8 +226,9 @@ export function player(model: Model): HTMLElement {
     hasRows = rows !== null;
     scene.follow = follow.checked;
     scene.resize();
+    const world = motion.replay.world as WorldJson;
     scene.show({
-      robot: next, world: motion.replay.world as WorldJson, trace: decoded, look, rows: rows ?? [],
+      robot: next, world, reached: reachedTimes(t.text('goals', row), world, point?.success_dwell_s ?? 0), trace: decoded, look, rows: rows ?? [],
       hit: { link: t.text('link', row), object: t.text('object', row) }, tolerance: point?.success_position_m ?? 0,
     });
     timeline.show(decoded, point === undefined ? null : { position: point.success_position_m, rotation: point.success_orientation_rad });

@@ -18,16 +18,28 @@ import type { Trace } from './trace';
 
 interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson }
 
+interface GoalJson { position: number[]; quaternion: number[]; motion?: MotionJson; stop?: boolean }
+
 export interface WorldJson {
-  goal: { position: number[]; quaternion: number[]; motion?: MotionJson };
+  goal?: GoalJson;
+  goals?: GoalJson[];   // of several, one after the other
   objects: BodyJson[];
+}
+
+/** When the hand went on from each goal of several [s]: `reached` as the store has them, and a dwell where it stopped. */
+export function reachedTimes(reached: string, { goals = [] }: WorldJson, dwell: number): number[] {
+  const rows = reached === '' ? [] : JSON.parse(reached) as { time_s: number }[];
+  return rows.map(({ time_s }, i) => time_s + (goals[i]?.stop === false ? 0 : dwell));
 }
 
 /** A motion of a robot, with what the robot looks like. */
 export interface Moved { robot: Robot; trace: Trace; look: readonly Part[] }
 
-/** A motion in its world: what was hit, the rows of each sample, the radius around the goal that counts as reached [m]. */
-export interface Shown extends Moved { world: WorldJson; hit: { link: string; object: string }; rows: readonly (readonly Row[])[]; tolerance: number }
+/**
+ * A motion in its world: when it went on to the next goal [s], what was hit, the rows of each sample, the radius around the
+ * goal that counts as reached [m].
+ */
+export interface Shown extends Moved { world: WorldJson; reached: readonly number[]; hit: { link: string; object: string }; rows: readonly (readonly Row[])[]; tolerance: number }
 
 /** A surface of a robot in the scene. */
 interface Drawn { mesh: Mesh; link: string; local: Matrix4 }
@@ -50,6 +62,8 @@ export class ReplayScene {
   planned: [number, number][] = [];
   /** The collision rows at the time shown. */
   rows: Row[] = [];
+  private goals: { mark: Group; start: Placed; motion: MotionJson | undefined }[] = [];
+  /** The goal that the hand is on its way to. */
   private goal = new Group();
   private tip = new Group();
   private past: Line2 | null = null;
@@ -165,8 +179,11 @@ export class ReplayScene {
 
     this.addGhost();
     poseAt(robot, trace, 0);
-    this.goal = goalMark(robot, skins(robot, look), shown.tolerance, colours.goal);
-    this.content.add(this.goal);
+    this.goals = (world.goals ?? (world.goal === undefined ? [] : [world.goal])).map(({ position: [x = 0, y = 0, z = 0], quaternion: q, motion }) => {
+      const mark = goalMark(robot, skins(robot, look), shown.tolerance, colours.goal);
+      this.content.add(mark);
+      return { mark, start: { position: new Vector3(x, y, z), turn: quaternion(q) }, motion };
+    });
     this.tip = triad(0.16, false);
     this.arrows = new Group();
     this.plan = new Group();
@@ -193,7 +210,7 @@ export class ReplayScene {
   /** Moves everything to time t. */
   set(t: number): void {
     if (this.shown === null) return;
-    const { robot, trace, world } = this.shown;
+    const { robot, trace, reached } = this.shown;
     if (this.ghost !== null) {
       poseAt(this.ghost.robot, this.ghost.trace, t);
       for (const { mesh, link, local } of this.ghostLinks) mesh.matrix.multiplyMatrices(this.ghost.robot.pose(link), local);
@@ -206,10 +223,12 @@ export class ReplayScene {
       mesh.position.copy(now.position);
       mesh.quaternion.copy(now.turn);
     }
-    const [x = 0, y = 0, z = 0] = world.goal.position;
-    const goal = placeAt(world.goal.motion, { position: new Vector3(x, y, z), turn: quaternion(world.goal.quaternion) }, t);
-    this.goal.position.copy(goal.position);
-    this.goal.quaternion.copy(goal.turn);
+    for (const { mark, start, motion } of this.goals) {
+      const now = placeAt(motion, start, t);
+      mark.position.copy(now.position);
+      mark.quaternion.copy(now.turn);
+    }
+    this.goal = this.goals[Math.min(reached.filter((time) => time < t).length, this.goals.length - 1)]?.mark ?? this.goal;
     const tip = robot.tipPose(new Matrix4());
     tip.decompose(this.tip.position, this.tip.quaternion, this.tip.scale);
     if (this.past !== null) this.past.geometry.instanceCount = trace.locate(t)[0];   // pieces between samples
@@ -273,10 +292,11 @@ export class ReplayScene {
   home(): void {
     const { shown, ghost } = this;
     if (shown === null) return;
-    const { robot, world, trace } = shown;
-    const [gx = 0, gy = 0, gz = 0] = world.goal.position;
-    const points = [...extent(robot, trace), ...(ghost === null ? [] : extent(ghost.robot, ghost.trace)), new Vector3(gx, gy, gz + 0.25), new Vector3(gx, gy, 0)];
+    const { robot, trace } = shown;
+    const moved = [...extent(robot, trace), ...(ghost === null ? [] : extent(ghost.robot, ghost.trace))];
     this.set(0);
+    const points = [...moved, ...this.goals.flatMap(({ mark: { position: { x, y, z } } }) => [new Vector3(x, y, z + 0.25), new Vector3(x, y, 0)])];
+    const { x: gx, y: gy } = this.goals.at(-1)?.mark.position ?? new Vector3();
     const along = new Vector3(gx - this.lastBase.x, gy - this.lastBase.y, 0);
     if (along.length() < 1e-6) along.set(1, 0, 0);
     along.normalize();

@@ -1,0 +1,183 @@
+// Worlds of several goals, goals that are passed through, and goals that leave directions free.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "controller/task/servo.h"
+#include "eval/store/query.h"
+#include "tests/eval/store_fixture.h"
+#include "tests/eval/trial_fixture.h"
+
+namespace moma::test {
+namespace {
+
+/// Goals ahead of the tip at rest, each in the tip's own orientation; all but the last are passed through.
+World goals_ahead(const std::vector<double>& ahead, bool stop = false) {
+  World world = tiny_world(ahead.front());
+  for (std::size_t i = 1; i < ahead.size(); ++i) world.further.push_back(tiny_world(ahead[i]).goal);
+  world.goal.stop = stop;
+  for (std::size_t i = 0; i + 1 < world.further.size(); ++i) world.further[i].stop = stop;
+  return world;
+}
+
+TEST(TrialGoals, TheLastOfThemIsTheSuccess) {
+  // At 0.5 m/s: within 2 cm of 0.4 m at 0.76 s, of 0.6 m at 1.16 s, of 1.0 m from 1.96 s on.
+  std::vector<double> seen;
+  const auto script = [&](const Observation& observation, StepResult& result) {
+    if (observation.time < 2.0 - 1e-9) result.command[0] = 0.5;
+    const double x = observation.goal.X_WG.translation().x();
+    EXPECT_EQ(observation.goal.stop, x > 1.7) << observation.time;
+    if (seen.empty() || seen.back() != x) seen.push_back(x);
+  };
+  World world = goals_ahead({0.4, 0.6, 1.0});
+  world.objects = {sphere("ball", {0.0, 0.4, 0.5}, 0.1)};
+  const TrialOutput out = run_scripted(tiny_spec(), world, script);
+  EXPECT_EQ(to_string(out.row.outcome), "success") << out.row.reason;
+  EXPECT_DOUBLE_EQ(out.row.time_to_goal_s, 1.96);
+  EXPECT_DOUBLE_EQ(out.row.time_end_s, 2.16);
+  EXPECT_EQ(out.row.goals_reached, 3.0);
+  EXPECT_EQ(seen, (std::vector<double>{0.9 + 0.4, 0.9 + 0.6, 0.9 + 1.0}));
+  const auto goals = nlohmann::json::parse(out.row.goals);
+  ASSERT_EQ(goals.size(), 3u);
+  EXPECT_DOUBLE_EQ(goals[0]["time_s"], 0.76);
+  EXPECT_DOUBLE_EQ(goals[1]["time_s"], 1.16);
+  EXPECT_DOUBLE_EQ(goals[2]["time_s"], 1.96);
+  // The robot drives away from the ball.
+  EXPECT_EQ(goals[0]["clearance_m"], out.row.clearance_min_m);
+  EXPECT_LT(goals[0]["clearance_m"], goals[1]["clearance_m"]);
+  EXPECT_LT(goals[1]["clearance_m"], goals[2]["clearance_m"]);
+}
+
+TEST(TrialGoals, WhoPassesAGoalToStopAtHasNotReachedIt) {
+  const TrialOutput out = run_scripted(tiny_spec(), goals_ahead({0.4, 0.8}, true), drive(0.5, 1.6));
+  EXPECT_EQ(to_string(out.row.outcome), "stuck") << out.row.reason;
+  EXPECT_EQ(out.row.goals_reached, 0.0);
+  EXPECT_EQ(out.row.goals, "[]");
+  const auto waits = [](const Observation& observation, StepResult& result) {
+    const double t = observation.time + 1e-9;
+    if (t < 0.8 || (t > 1.0 && t < 1.8)) result.command[0] = 0.5;
+  };
+  const TrialOutput reached = run_scripted(tiny_spec(), goals_ahead({0.4, 0.8}, true), waits);
+  EXPECT_EQ(to_string(reached.row.outcome), "success") << reached.row.reason;
+  EXPECT_EQ(reached.row.goals, R"([{"time_s":0.76,"clearance_m":null},{"time_s":1.76,"clearance_m":null}])");
+}
+
+TEST(TrialGoals, OneGoalHasNoneOfThis) {
+  const TrialRow row = run_scripted(tiny_spec(), tiny_world(0.4), drive(0.5, 0.8)).row;
+  EXPECT_TRUE(std::isnan(row.goals_reached));
+  EXPECT_EQ(row.goals, "");
+}
+
+TEST(TrialGoals, HaveRowsOfTheirOwnInTheStore) {
+  const TemporaryFolder folder;
+  const store::Wanted job = synthetic_wanted(0, 4);
+  TrialRow row = synthetic_row(0, 4);
+  row.goals = R"([{"time_s":0.75,"clearance_m":null},{"time_s":2.0,"clearance_m":0.25}])";
+  {
+    store::Writer writer(folder / "a.db");
+    writer.begin(synthetic_suite({"one"}), {{"moma", "run"}, 1}, std::vector{job});
+    writer.add(job, synthetic_world(4), row, nullptr);
+    writer.finish(store::RunStatus::kFinished);
+  }
+  const auto rows =
+      store::query(folder / "a.db", "SELECT world, goal, time_s, leg_s, clearance_m FROM v_goals ORDER BY goal").rows;
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(std::get<std::int64_t>(rows[1][0]), 4);
+  EXPECT_EQ(std::get<std::int64_t>(rows[1][1]), 2);
+  EXPECT_EQ(std::get<double>(rows[0][3]), 0.75);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(rows[0][4]));
+  EXPECT_EQ(std::get<double>(rows[1][2]), 2.0);
+  EXPECT_EQ(std::get<double>(rows[1][3]), 1.25);
+  EXPECT_EQ(std::get<double>(rows[1][4]), 0.25);
+}
+
+// The tiny robot cannot roll: a rolled goal is out of reach unless the roll is free.
+TEST(FreeDirections, ReachWhatNoWholePoseDoes) {
+  TrialSpec spec = tiny_spec();
+  World world = tiny_world(0.3);
+  world.goal.X_WG.linear() = Eigen::AngleAxisd(1.0, Vector3::UnitX()).toRotationMatrix();
+  EXPECT_NE(run_trial(spec, world).row.outcome, Outcome::kSuccess);
+  world.goal.free[0] = 1.0;
+  const TrialRow axis = run_trial(spec, world).row;
+  EXPECT_EQ(to_string(axis.outcome), "success") << axis.reason;
+  world.goal.X_WG.linear() = Eigen::AngleAxisd(2.5, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+  EXPECT_NE(run_trial(spec, world).row.outcome, Outcome::kSuccess) << "the axis points elsewhere";
+  world.goal.free.head<3>().setOnes();
+  const TrialRow position = run_trial(spec, world).row;
+  EXPECT_EQ(to_string(position.outcome), "success") << position.reason;
+  EXPECT_LT(position.position_error_m, spec.success.position);
+}
+
+Isometry any_pose(std::uint64_t item) {
+  Draws draws(7, 1, Stream::kGoal, 0, item);
+  Isometry X = Isometry::Identity();
+  X.translation() = Vector3(draws.uniform(-1, 1), draws.uniform(-1, 1), draws.uniform(-1, 1));
+  const Vector3 axis(draws.uniform(-1, 1), draws.uniform(-1, 1), draws.uniform(-1, 1));
+  X.linear() = Eigen::AngleAxisd(draws.uniform(-3, 3), axis.normalized()).toRotationMatrix();
+  return X;
+}
+
+double angle_between(const Matrix3& A, const Matrix3& B) {
+  return Eigen::AngleAxisd(Matrix3(A.transpose() * B)).angle();
+}
+
+// By search: among the poses that the goal allows, none is nearer.
+TEST(FreeDirections, TheNearestPoseIsAllowedAndNearest) {
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const Isometry X_WE = any_pose(2 * i);
+    GoalState goal{any_pose(2 * i + 1), Vector6::Zero()};
+    EXPECT_EQ(nearest_pose(goal, X_WE).matrix(), goal.X_WG.matrix());
+    const Matrix3& R_WG = goal.X_WG.linear();
+    const int a = static_cast<int>(i % 3);
+
+    goal.free[a] = goal.free[3 + a] = 1.0;
+    const Isometry about = nearest_pose(goal, X_WE);
+    EXPECT_NEAR((about.linear().col(a) - R_WG.col(a)).norm(), 0.0, 1e-12) << "the axis stays";
+    EXPECT_NEAR(about.linear().determinant(), 1.0, 1e-12);
+    const double found = angle_between(about.linear(), X_WE.linear());
+    for (double turn = -3.1; turn < 3.2; turn += 0.05) {
+      const Matrix3 other = R_WG * Eigen::AngleAxisd(turn, Vector3::Unit(a)).toRotationMatrix();
+      EXPECT_GE(angle_between(other, X_WE.linear()), found - 1e-9);
+    }
+    const Vector3 left = R_WG.transpose() * (about.translation() - X_WE.translation());
+    const Vector3 whole = R_WG.transpose() * (goal.X_WG.translation() - X_WE.translation());
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(left[k], k == a ? 0.0 : whole[k], 1e-12);
+
+    goal.free.setZero();
+    goal.free[(a + 1) % 3] = goal.free[(a + 2) % 3] = 1.0;
+    const Isometry tilted = nearest_pose(goal, X_WE);
+    EXPECT_NEAR(Eigen::Quaterniond(Matrix3(R_WG.transpose() * tilted.linear())).vec()[a], 0.0, 1e-12) << "no twist";
+    const Vector6 e = pose_error(X_WE, tilted);
+    EXPECT_NEAR(e.head<3>().cross(X_WE.linear().col(a)).norm(), 0.0, 1e-9) << "E turns about its own axis";
+
+    goal.free.head<3>().setOnes();
+    EXPECT_EQ(nearest_pose(goal, X_WE).linear(), X_WE.linear());
+    EXPECT_EQ(nearest_pose(goal, X_WE).translation(), goal.X_WG.translation());
+  }
+}
+
+TEST(PassingThrough, TheSpeedStaysOverTheLastWay) {
+  const ServoParams params{.position = 2.0, .orientation = 1.0, .max_linear = 0.5};
+  Vector6 v = Vector6::Zero();
+  v[3] = 0.1;
+  const auto twist = [&](double turn, double way) {
+    Vector6 e = Vector6::Zero();
+    e[0] = turn;
+    e[4] = way;
+    const Vector6 nu = passing_twist(params, e, v) - v;
+    return std::pair(nu[0], nu[4]);
+  };
+  using Pair = std::pair<double, double>;
+  EXPECT_EQ(twist(0.5, 0.4), Pair(0.5, 0.5)) << "far away as the servo, clamped";
+  const auto [turn, way] = twist(0.2, 0.15);
+  EXPECT_NEAR(turn, 0.4, 1e-12) << "twice as quick 0.15 m before the goal";
+  EXPECT_NEAR(way, 0.5, 1e-12) << "and never above the limit";
+  EXPECT_NEAR(twist(0.0, 0.05).second, 3.0 * 2.0 * 0.05, 1e-12) << "three times at most";
+  EXPECT_NEAR(twist(0.1, 0.0).first, 3.0 * 0.1, 1e-12);
+  EXPECT_EQ(twist(0.0, 0.0), Pair(0.0, 0.0));
+}
+
+}  // namespace
+}  // namespace moma::test
