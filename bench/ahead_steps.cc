@@ -1,4 +1,4 @@
-// What looking ahead costs in a step, and what the robot does meanwhile.
+// Measures the cost of looking ahead in a step, and shows the robot's motion meanwhile.
 //
 //   moma_bench_ahead SUITE [TRIALS]
 //
@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::size_t kModes = words(Of<PlanMode>{}).size();
 
-/// Of this thread: what others do on the machine is not in it.
+/// Processor time of this thread: other work on the machine is no part of it.
 double processor_seconds() {
   timespec now;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -37,7 +37,7 @@ double processor_seconds() {
 
 constexpr int kRounds = 5;
 
-// What a controller observed in one trial, and what it answered.
+// Observations and answers of a controller in one trial.
 struct Recording {
   std::vector<ObjectShape> objects;
   std::vector<Observation> observations;

@@ -24,7 +24,7 @@
 namespace moma {
 namespace {
 
-/// As the preset that looks ahead plans, and far longer.
+/// Plans as the preset that looks ahead does, with far more checks.
 ControllerParams patient(const TrialSpec& point) {
   ControllerParams params = resolved(point.controller_params, *point.robot->model);
   params.plan.enabled = true;
@@ -58,7 +58,7 @@ int plan(Planner& planner, const World& world, int most, Each&& each) {
   return 0;
 }
 
-/// What plans came to.
+/// Results of plans.
 struct Tally {
   int worlds = 0, found = 0, first = 0;
   std::vector<double> checks, seconds, times;  // of those that were found; checks of all plans until then

@@ -1,4 +1,4 @@
-// What a step of a controller in a process of its own costs above the controller's own time: a class of Python, or a
+// Measures the cost of a process for a controller's step beyond the controller's own time: a class of Python, or a
 // program, that does nothing. Run as `build/moma_bench_process SUITE [STEPS]` with a suite whose controllers do
 // nothing, for instance examples/process/hold.yaml.
 #include <fmt/format.h>

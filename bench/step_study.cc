@@ -1,4 +1,4 @@
-// What the physics step does to outcomes and cost: each of a suite's trials at several steps.
+// Compares outcomes and cost of physics steps: each trial of a suite runs at several steps.
 //
 //   moma_bench_step_study SUITE [WORLDS]
 //

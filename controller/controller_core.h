@@ -45,7 +45,7 @@ class ControllerCore final : public StepController {
   double control_period() const noexcept { return control_period_; }
   /// Kinematics of the state in which the command acts: the predicted one with prediction.
   const Kinematics& kinematics() const noexcept { return assessment_.kinematics(); }
-  /// That state as an observation; null without prediction.
+  /// The predicted state as an observation; null without prediction.
   const Observation* predicted() const noexcept { return predictor_.on() ? &predictor_.predicted() : nullptr; }
   /// Task that was solved last: the policy's, or a guard's.
   const Task& task() const noexcept { return answer_.task; }

@@ -69,7 +69,7 @@ typedef struct moma_object_shape {
 } moma_object_shape;
 
 /*
- * What is sensed, and what is answered, are 64-bit floating-point numbers: truths are 1 or 0, words the values of an
+ * Observations and answers are 64-bit floating-point numbers: truths are 1 or 0, words the values of an
  * enumeration. They stand in the order in which processes get them (docs/reference/process-protocol.md).
  */
 

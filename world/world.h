@@ -55,7 +55,7 @@ struct World {
   std::vector<WorldObject> objects;
   Configuration witness;  ///< reaches the first goal (at t = 0) clear of all objects
   Difficulty difficulty;
-  std::optional<double> time_bound;  ///< of time_bound() [s], where it is known; no part of world files
+  std::optional<double> time_bound;    ///< of time_bound() [s], where it is known; no part of world files
   std::shared_ptr<const Moves> moves;  ///< moves of the random numbers of its disturbances; null: none
 };
 

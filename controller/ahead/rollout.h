@@ -10,7 +10,7 @@
 
 namespace moma {
 
-/// How a rollout ended.
+/// End of a rollout.
 enum class RolloutEnd {
   kGoesOn,     ///< it has not ended, or its time is up
   kArrives,    ///< E is at the goal

@@ -36,7 +36,7 @@ std::string unit_of(const ControllerCore& controller, int variable) {
   return variable - model.num_velocities() < 3 ? "rad/s" : "m/s";
 }
 
-// What makes this bound: read from the bounds that the step had.
+// Names the origin of a bound, read from the bounds of the step.
 std::string bound_cause(const CaseStep& step, int variable, bool upper, double bound) {
   const ControllerCore& controller = step.controller;
   const RobotModel& model = controller.model();
@@ -60,7 +60,7 @@ std::string bound_text(const CaseStep& step, int variable, const char* relation,
          ": " + bound_cause(step, variable, upper, bound);
 }
 
-// What a row asks, in words.
+// Describes the demand of a row in words.
 std::string row_meaning(const QpProblem& problem, int row) {
   const RowId& id = problem.ids[static_cast<std::size_t>(row)];
   const double bound = problem.ubA[row];

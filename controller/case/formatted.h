@@ -6,7 +6,7 @@
 
 namespace moma {
 
-/// As printf has it, without "-0"; up to 300 characters.
+/// Formats as printf does, without "-0"; at most 300 characters.
 template <class... Values>
 std::string formatted(const char* format, Values... values) {
   const auto plain = [](auto value) {

@@ -9,7 +9,7 @@
 namespace moma {
 namespace {
 
-// Whether some x meets the constraints that are kept: the smallest such x is looked for.
+// Returns true if some x meets the kept constraints: a QP looks for the smallest such x.
 class FeasibilityCheck {
  public:
   explicit FeasibilityCheck(const QpProblem& problem) : given_(&problem), solver_(make_solver()) {
@@ -73,7 +73,7 @@ std::vector<ConstraintId> list_constraints(const QpProblem& p, int num_velocitie
   return all;
 }
 
-// What is left after every constraint that is not needed for infeasibility has been dropped, in the order given.
+// Drops, in the given order, every constraint without which the rest is still infeasible; returns the rest.
 std::vector<ConstraintId> filter(const QpProblem& problem, const std::vector<ConstraintId>& all) {
   std::vector<bool> kept(all.size(), true);
   FeasibilityCheck check(problem);

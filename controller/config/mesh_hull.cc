@@ -74,7 +74,7 @@ double check_mesh(const fs::path& file) {
   return 1.0;
 }
 
-/// Of what coal says of a file, the reason alone: around it are the place in coal's sources and a guess.
+/// Extracts the reason from coal's message, which also has a place in coal's sources and a guess.
 std::string reason_in(const std::string& words) {
   constexpr std::string_view kBefore = "Could not load resource ";
   std::size_t begin = words.find(kBefore);

@@ -21,7 +21,7 @@
 namespace moma::config {
 namespace {
 
-/// How much of the budget is used up: shared by a file and all that it includes.
+/// Used part of the budget, shared by a file and all that it includes.
 struct YamlUse {
   std::size_t values = 0;
   std::size_t aliases = 0;

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// Of robots on wheels with an arm, from desk arms to forklifts.
+// Ranges for arms and for robots on wheels with an arm, from desk arms to forklifts.
 constexpr Usual kAngle{-2.0 * std::numbers::pi, 2.0 * std::numbers::pi, "rad"};
 constexpr Usual kMount{-3.0, 3.0, "m"};
 constexpr Usual kLinkLength{0.0, 3.0, "m"};

@@ -154,7 +154,8 @@ class CollisionReader {
     in.fail_at(key, "found '" + name + "', which is no link of the URDF and not @base" + suggestion(name, names));
   }
 
-  // Of `links`, those whose geometry is taken from the URDF; none: all. Not in resolved robots, which have the shapes.
+  // `links` names the links whose geometry comes from the URDF; without it all do. Resolved robots have the shapes
+  // instead.
   std::set<int> read_links(MapReader& in, const std::string& from) const {
     const Node* list = in.get("links");
     if (list == nullptr) return {};

@@ -52,8 +52,8 @@ bool far_in_chain(const RobotModel& model, const SelfPair& pair) {
   return between.size() > kNear;
 }
 
-// Whether two joints or more between a link and one that it carries all slide along one line: what telescopes slides
-// inside itself.
+// Returns true if two or more joints between a link and one that it carries all slide along one line: telescopes slide
+// inside themselves.
 bool telescopes(const Kinematics& kinematics, const SelfPair& pair) {
   const RobotModel& model = kinematics.model();
   const int a = model.shape(pair.first).link, b = model.shape(pair.second).link;

@@ -204,7 +204,7 @@ class NodeCheck {
   std::map<std::string, std::vector<int>> by_id_;
 };
 
-// Of `<asset><unit meter="...">`. No robot's units are outside of 1e-9 to 1e9 m.
+// Reads the unit of `<asset><unit meter="...">`. No robot's units are outside of 1e-9 to 1e9 m.
 double unit_of(const TiXmlElement& root) {
   const TiXmlElement* asset = root.FirstChildElement("asset");
   const TiXmlElement* unit = asset == nullptr ? nullptr : asset->FirstChildElement("unit");

@@ -8,7 +8,8 @@ namespace {
 
 enum class Kind { kTurn, kDrive, kArm };
 
-// Whether the acceleration of one motion's end and of the next one's beginning stays inside the limits.
+// Returns true if the accelerations of one motion's end and of the next one's beginning together stay within the
+// limits.
 bool may_overlap(const MotionLimits& limits, const PathPart& last, const Trapezoid& motion,
                  const WholeConfiguration& change) noexcept {
   if (last.ramp <= 0.0 || motion.ramp <= 0.0) return false;
@@ -86,7 +87,7 @@ bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double ov
   WholeConfiguration change = WholeConfiguration::Zero(3 + joints);
   Layout layout(limits, overlap, path);
   for (const Edge& edge : edges) {
-    // As fast as the slower of base and arm.
+    // The slower of base and arm sets the speed.
     const double slower = edge.base_time() > 0.0 ? edge.time / edge.base_time() : 1.0;
     double first = -1.0;
     const auto base = [&](Kind kind, const Trapezoid& motion, const Vector3& by) {

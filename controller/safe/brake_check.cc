@@ -192,7 +192,7 @@ bool BrakeCheck::place() noexcept {
 // Returns the contribution of a pair that is too near, else infinity. `way`: its travel since the start of the step.
 double BrakeCheck::measure(NearPair& candidate, double way, double to_come) noexcept {
   const double range = range_of(candidate.kind);
-  // As in leave_out_by_end(), for the rest of the trajectory.
+  // The same bound as in leave_out_by_end(), for the rest of the trajectory.
   const double clear = 2.0 * (range + kSure) + to_come - candidate.end;
   const double far = std::max(range + kAhead, clear < kInfinity ? clear : 0.0);
   const auto found = proximity_.within(candidate.kind, candidate.first, candidate.second, states_, far);

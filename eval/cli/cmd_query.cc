@@ -45,7 +45,7 @@ store::QueryResult answer(const QueryOptions& options) {
     return summary_table(options.file, "", options.format == Format::kTable || options.format == Format::kMarkdown);
   if (asks_for_best(options.sql)) return best_points(options);
   if (options.sql.starts_with('@')) return store::query(options.file, sql_of(options));
-  // What a person writes may take as long as it takes; Ctrl-C ends it.
+  // A person's query may take any time; Ctrl-C ends it.
   return store::query(options.file, options.sql, std::chrono::minutes(0));
 }
 

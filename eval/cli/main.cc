@@ -18,7 +18,7 @@ std::atomic<bool> was_short{false};  // of memory, once
   throw std::bad_alloc();
 }
 
-/// Where memory runs out in what may not throw (a JSON value that is destroyed takes some, so does the message of a
+/// If memory runs out in code that must not throw (a JSON value that is destroyed takes some, so does the message of a
 /// failing rollback, ODE cannot go on), nothing can be unwound: the program ends as if it were killed, which stores
 /// survive, but says why. Which exception it was is not always known here.
 [[noreturn]] void end() {

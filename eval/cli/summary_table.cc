@@ -17,7 +17,7 @@ using store::Cell;
 using store::QueryResult;
 using Row = std::vector<Cell>;
 
-// How rates and means are written for a person; a missing value is none. In place of the columns from kRates on.
+// Rates and means in the form for a person; a missing value stays empty. They replace the columns from kRates on.
 constexpr const char* kForPerson = R"(,
   printf('%5.1f  [%5.1f, %5.1f]', 100 * success_rate, 100 * success_low, 100 * success_high)
     AS "success % [95 %]",
@@ -70,7 +70,7 @@ void keep_columns(QueryResult& table, const std::vector<std::size_t>& kept) {
   for (Row& row : table.rows) chosen(row);
 }
 
-/// Of what was asked for a person: `own` columns stand from there on.
+/// Formats an answer for a person: `own` columns begin at this index.
 std::vector<std::size_t> columns_for_person(QueryResult& table, std::size_t moma, std::size_t own) {
   const auto any = [&](const auto& holds) { return std::any_of(table.rows.begin(), table.rows.end(), holds); };
   const bool errors = any([&](const Row& row) { return store::number_in(row[kErrors]).value_or(0.0) > 0.0; });

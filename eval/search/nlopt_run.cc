@@ -41,7 +41,7 @@ const AlgorithmInfo& find_algorithm(std::string_view name) {
 
 namespace {
 
-// Of local algorithms, in the unit cube: the first step, and the step below which they end.
+// First and last step of local algorithms in the unit cube.
 constexpr double kInitialStep = 0.2, kTolerance = 0.004;
 
 // NLopt calls back through C, which exceptions must not cross: they are stored here.

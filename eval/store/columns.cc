@@ -47,7 +47,7 @@ bool same(double a, double b) noexcept { return a == b || (std::isnan(a) && std:
 bool same(int a, int b) noexcept { return a == b; }
 bool same(const std::string& a, const std::string& b) noexcept { return a == b; }
 
-// What a row without the column is read as.
+// Value of the column in a row without it.
 bool absent(double value) noexcept { return std::isnan(value); }
 bool absent(int value) noexcept { return value == 0; }
 bool absent(const std::string& value) noexcept { return value.empty(); }

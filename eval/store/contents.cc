@@ -51,7 +51,7 @@ struct Checker {
   /// `sql` gives a sentence for each disagreement.
   void tell_all(const std::string& sql) const { for_rows<std::string>(db, sql, tell); }
 
-  /// Whether anything but this build says that it wrote to the store.
+  /// Returns true if another build wrote to the store.
   bool other_builds() const {
     return count(db,
                  "SELECT count(*) FROM main.invocation WHERE moma_version IS NOT ? OR coalesce(git_commit, '') <> ? OR "
@@ -78,7 +78,7 @@ struct Checker {
         "sqlite_schema WHERE type = 'trigger'");
   }
 
-  /// What is shown is the name of the file, or NAME@2, NAME@3 ... where that was taken (free_name()): a suite,
+  /// Checks shown names: the file's, or NAME@2, NAME@3 ... where that was taken (free_name()). A suite,
   /// controller or metric that goes by another's name would be taken for it.
   void check_names() {
     for_rows<std::string, std::string, std::string>(
@@ -178,7 +178,7 @@ struct Checker {
     counts.copies = count(db, "SELECT count(*) FROM main.point_trial");
   }
 
-  /// What somebody could have taken away: trials that a run stored and no point has (a search plans none, and links
+  /// Finds removed rows: trials that a run stored and no point has (a search plans none, and links
   /// none), trials that a finished run had, and values of the metrics that a suite has.
   void check_missing() const {
     tell_all(

@@ -83,7 +83,7 @@ bool look_at_file(const fs::path& file, Access access) {
   return true;
 }
 
-/// What a store from elsewhere may not do to us: triggers (moma makes none) do not run, and its schema is not rewritten
+/// Guards against a hostile store: triggers (moma makes none) do not run, and its schema is not rewritten
 /// by SQL. Functions that do more than compute are not built into SQLite, so that views can call none.
 void harden(SQLite::Database& db) {
   for (const auto& [option, value] :

@@ -245,7 +245,7 @@ struct Removed {
   ~Removed() { remove_store(file); }
 };
 
-/// Of an older version, or with trials that are to be tried again.
+/// Returns true for an older version, or one with trials to try again.
 bool needs_change(const fs::path& file) {
   try {
     SQLite::Database db(file.string(), SQLite::OPEN_READONLY);
@@ -312,7 +312,7 @@ class Locks {
       locks_.push_back(std::move(lock));
     }
   }
-  /// Whether nobody else can be writing the output's part file.
+  /// Returns true if no other process can be writing the output's part file.
   bool exclusive() const { return exclusive_; }
 
  private:
@@ -349,7 +349,7 @@ MergeSummary merge(const fs::path& out, const std::vector<fs::path>& in, const M
   const fs::path* current = &out;
   try {
     MergeSummary summary;
-    // What is in OUT already stays as it is, whoever made it.
+    // Rows that OUT has stay as they are, whoever made them.
     if (there) copy_store(place, part);
     {
       SQLite::Database db = open_database(part, Access::kCreate);

@@ -19,7 +19,7 @@ namespace {
 
 using tune::SearchStatus;
 
-/// What the end of a search leaves, replaced as a whole; evaluations are only ever added.
+/// Tables with the results of a search, replaced as a whole; evaluations are only added.
 constexpr const char* kResults[] = {"tune_variable", "tune_finalist", "tune_sensitivity", "tune_comparison"};
 
 struct Search {
@@ -173,7 +173,7 @@ struct Others {
                                 file.string(), o.type, o.name));
   }
 
-  /// How OUT defines what has this name; "" where nothing has.
+  /// Definition of this name in OUT; "" without one.
   std::string there(const std::string& name) {
     return row<std::string>(db, "SELECT sql FROM main.sqlite_schema WHERE name = ?", name).value_or("");
   }

@@ -215,7 +215,7 @@ void add_samples_function(SQLite::Database& db) {
       "PRAGMA temp_store = MEMORY; CREATE VIRTUAL TABLE temp.samples USING moma_samples; PRAGMA query_only = ON");
 }
 
-/// Whether `sql` calls it: the word, followed by "(".
+/// Returns true if `sql` calls it: the word, followed by "(".
 bool calls_samples_function(const char* sql) noexcept {
   constexpr const char* kName = "samples";
   constexpr std::size_t kLength = 7;

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What all points of a suite share: every key but those that name or count points.
+/// Setting that all points of a suite share: every key but those that name or count points.
 std::string setting_of(const Json& resolved) {
   Json setting = resolved;
   for (const std::string_view key : kKeysOfTheWhole) setting.erase(std::string(key));

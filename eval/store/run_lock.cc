@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPause{100};
 
-/// What the holder wrote about itself.
+/// The holder's description of itself.
 std::string holder(int descriptor) {
   char text[256];
   const ssize_t n = pread(descriptor, text, sizeof text, 0);

@@ -58,7 +58,7 @@ struct ColumnName {
 /// Columns of simulation version 12 and before, which have no member any more.
 constexpr std::string_view kFormerColumns[] = {"circulation", "plan_detour", "plan_time_detour"};
 
-/// How a member of what the controller remembered is called among the columns: of the first ones as it always was, of
+/// Name of the column of a member of the controller's memory: the historical name for the first ones, and for
 /// any later one escape_NAME.
 ColumnName memory_column(std::string_view member) {
   constexpr std::pair<std::string_view, std::string_view> kNames[] = {{"stagnations", "stagnations"},

@@ -14,7 +14,7 @@
 namespace moma::tune {
 namespace {
 
-// How the parts of a mixture are told apart: "robot=tiago".
+// Label of a part of a mixture: "robot=tiago".
 std::string part_name(const Overrides& part) {
   std::string name;
   for (const auto& [key, text] : part) {

@@ -218,7 +218,7 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
     const std::string inner = inner_key(key, tune.controller);
     if (!inner.empty()) config::set_value(tuning.controller, inner, text);
   }
-  // What is found is written into another folder, from where a relative path would lead elsewhere.
+  // The result is written into another folder, from which a relative path would lead elsewhere.
   const SuitePoint& first = tuning.suites.front().points[tuning.tuned_point.front()];
   if (first.plugin != nullptr) anchor_paths(tuning.controller, *first.plugin, first.controller_resolved);
 

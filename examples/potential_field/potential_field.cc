@@ -89,7 +89,7 @@ class PotentialField {
   }
 
  private:
-  // What a force at a point of a shape does to base and joints.
+  // Maps a force at a point of a shape to base and joints.
   void pull(int shape, const Vector3& p_W, const Vector3& force) {
     kinematics_.point_jacobian(robot_->shapes[static_cast<std::size_t>(shape)].link, p_W, J_p_);
     force_ += J_p_.transpose() * force;

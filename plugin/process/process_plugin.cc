@@ -20,7 +20,7 @@ namespace {
 using nlohmann::ordered_json;
 using plugin::guarded;
 
-/// What stands behind moma_plugin_open()'s handle: one robot with one set of parameters.
+/// The object behind moma_plugin_open()'s handle: one robot with one set of parameters.
 struct Opened {
   std::shared_ptr<ProcessPool> pool;
   std::shared_ptr<const std::string> setup;

@@ -26,7 +26,7 @@ Clock::time_point in_seconds(double seconds) {
 
 std::string after(const char* link, const std::string& words) { return words.empty() ? words : link + words; }
 
-// How long a process that ended its output, or was let go, has until it is killed.
+// Time until a process that ended its output, or was released, is killed.
 constexpr double kGrace = 2.0;
 
 std::string text_of(std::span<const unsigned char> bytes) { return without_controls({bytes.begin(), bytes.end()}); }
@@ -59,7 +59,8 @@ void Session::late(const Due& due) {
                    after("; it said: ", child_.last_words())));
 }
 
-// Of what came in, as much as is there however slowly it comes: the same words each time.
+// Shortens the input to the part that does not depend on how slowly it arrives, so that messages are the same each
+// time.
 void Session::not_a_frame() {
   fail(fmt::format("its process writes to its standard output what is no frame of the protocol, beginning with '{}'",
                    text_of(std::span(in_).first(kFrameHeader))));

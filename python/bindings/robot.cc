@@ -18,7 +18,7 @@ namespace {
 
 using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
-/// What each item of one of the robot's lists says of itself.
+/// A member of each item of one of the robot's lists.
 template <class Item, class V>
 auto of_each(std::vector<Item> RobotModel::*list, V Item::*member) {
   return [list, member](const Robot& robot) {

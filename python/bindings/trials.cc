@@ -77,7 +77,7 @@ class Trials {
  public:
   Trials(const Suite& suite, std::size_t point, std::size_t count, std::size_t slots, bool truth)
       : worlds_(point_of(suite, point)), slots_(slots), truth_(truth), trials_(count) {
-    // What a suite's own controllers are is no part of a trial whose controller is outside.
+    // The suite's own controllers are no part of a trial whose controller is outside.
     worlds_.plugin = nullptr;
     worlds_.controller_params = {};
     worlds_.controller_resolved = {};
@@ -96,7 +96,7 @@ class Trials {
   Robot robot() const { return Robot(*spec_->robot); }
   const TrialSpec& spec() const { return *spec_; }
 
-  /// Of trials first to last - 1: those with a world's number begin in it, the others answer with their row of
+  /// Steps the trials first to last - 1: those with a world's number begin in it, the others answer with their row of
   /// `actions` (velocities, or the numbers of a command with details). Rows of all are written.
   void step(std::size_t first, std::size_t last, const Rows& actions, const Indices& worlds, Numbers seen,
             Numbers signals) {
@@ -131,7 +131,7 @@ class Trials {
     write(i, seen.data(), signals.data());
   }
 
-  /// What a controller in a process of its own is sent at a step.
+  /// The observation as a controller in a process of its own gets it.
   VectorX numbers(std::size_t i) { return packed(observation(i)); }
 
   /// And at a reset, as JSON.

@@ -22,7 +22,7 @@ Texts suites_of(const Json& page) {
   return names;
 }
 
-/// What all stores' suites are called together; empty where their own names stay.
+/// Common name of all stores' suites; empty if their own names stay.
 std::string common_suite(const std::vector<Json>& pages) {
   Texts names;
   for (const Json& page : pages) {

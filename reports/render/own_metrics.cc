@@ -81,7 +81,7 @@ void add_own_means(SQLite::Database& store, const OwnMetrics& metrics, Json& pag
   std::map<std::string, std::string> key_of;
   for (const Json& metric : metrics.described) key_of[metric.at("name")] = metric.at("key");
   std::map<Place, Json> means;
-  // Of all families together a mean is weighted by the trials that have the value.
+  // The mean over all families is weighted by the trials that have the value.
   SQLite::Statement query(store,
                           "SELECT suite, robot, controller, point, family, mode, metric, mean FROM v_metric_summary "
                           "UNION ALL SELECT suite, robot, controller, point, '', mode, metric, sum(n * mean) / sum(n) "

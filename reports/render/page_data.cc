@@ -110,7 +110,7 @@ Json trials(SQLite::Database& store, const Extent& extent, const OwnMetrics& own
   return {{"n", n}, {"stored", extent.trials}, {"worlds", extent.worlds}, {"columns", std::move(columns)}};
 }
 
-/// What every page has.
+/// Data that every page has.
 Json begin(SQLite::Database& store) {
   Json page = Json::object();
   page["format"] = 1;
@@ -123,7 +123,7 @@ Json begin(SQLite::Database& store) {
   return page;
 }
 
-/// What the robots of the page look like, by their ids; where motions are asked for later, all robots of the store.
+/// Geometry of the page's robots by their ids; of all robots of the store if motions are requested later.
 void add_looks(SQLite::Database& store, const ReportOptions& options, Json& page) {
   page["looks"] = Json::object();
   if (!options.look) return;
@@ -138,7 +138,7 @@ void add_looks(SQLite::Database& store, const ReportOptions& options, Json& page
   }
 }
 
-/// What became of a run or search that never said how it ended; the latest comes first.
+/// Runs and searches without an end, the latest first.
 void add_ends(const std::filesystem::path& db, Json& rows) {
   bool latest = true;
   for (Json& row : rows) {

@@ -136,7 +136,7 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, cons
   keep_norm("error_position", "error", 3, 3);
   keep_norm("slack", "slack", 0, 6);
   for (const char* name : {"manipulability", "least_distance", "status", "fallback", "active_rows"}) keep_column(name);
-  // What is left, for whoever looks at one of them.
+  // The rest, for a look at one of them.
   for (const std::string& name : samples.columns)
     if (std::find(names.begin(), names.end(), name) == names.end() && !of_a_plan(name)) keep_column(name, &coarse);
   // A detour's target, and of a controller that looks ahead its activity and reason, its path and its choice.

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What is written: rows of the summary, and the metrics that the page has of them: moma's, and the suites' own.
+/// The written data: rows of the summary and their metrics on the page, moma's and the suites' own.
 struct Table {
   std::vector<Json> rows;
   std::vector<Json> metrics;

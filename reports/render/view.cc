@@ -40,7 +40,7 @@ constexpr std::pair<const char*, const char*> kHeaders[] = {
 
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-/// What the stores hold, in a few numbers that differ whenever the page's data would.
+/// State of the stores in a few numbers, which differ whenever the page's data would.
 struct State {
   long long trials = 0;
   long long stored = 0;   ///< of the suite that is being run
@@ -138,7 +138,7 @@ class Answers {
       }
       std::optional<Json> found = replay_of(store, trial, kReplayHz, simulate);
       if (!found) continue;
-      // As combined() calls the robots of several stores.
+      // combined() names the robots of several stores so.
       if (stores_.size() > 1) (*found)["robot"] = fmt::format("{}:{}", i, found->at("robot").get<std::string>());
       return dumped(*found);
     }

@@ -44,7 +44,7 @@ const kBeside = 0.5;
 interface Held { near: string[]; limits: string[]; outside: string; told: boolean }
 
 /**
- * What the store's reason names: "0.4 m and 0.1 rad from the goal; link4 is 0.02 m from sphere3; joint4 is 0.01 from its
+ * Kind of the store's reason: "0.4 m and 0.1 rad from the goal; link4 is 0.02 m from sphere3; joint4 is 0.01 from its
  * limit". Numbers differ from trial to trial and would make every failure its own cluster.
  */
 function held(reason: string): Held {

@@ -1,4 +1,4 @@
-// What all figures share: their description, axes, legends, marks, and how groups share one plot or get one each.
+// Common parts of all figures: their description, axes, legends, marks, and how groups share one plot or get one each.
 
 import { BarChart, CustomChart, HeatmapChart, LineChart, ScatterChart } from 'echarts/charts';
 import { AriaComponent, GridComponent, LegendComponent, TitleComponent, TooltipComponent, VisualMapComponent } from 'echarts/components';
@@ -269,7 +269,7 @@ export function gainAxis(p: Palette, values: readonly number[], width: number): 
   const log = low > 0 && high / low >= 10;
   const at = (v: number): number => (log ? Math.log10(v) : v);
   const room = Math.max(2, Math.floor(width / 46));
-  // Of many values the ends and some between.
+  // Many values show the ends and some between.
   const marks = levels.length <= room ? levels : [...new Set(Array.from({ length: room }, (_, i) => levels[Math.round((i * (levels.length - 1)) / (room - 1))] ?? low))];
   const edge = high > low ? 0.06 * (at(high) - at(low)) : Math.abs(at(low)) || 1;
   const custom = { customValues: marks.map(at) };

@@ -1,4 +1,4 @@
-// What else than gains was swept: disturbances, worlds, the simulation. Controllers are compared under one condition, or
+// Conditions: swept disturbances, worlds, simulation. Controllers are compared under one condition, or
 // one controller over several; none of them is "the best".
 
 import { inSlice, type Model, type PointInfo, type Slice } from './data';

@@ -1,4 +1,4 @@
-// What stands below the verdict. It brings along the libraries for figures and scenes, which are started after it is painted.
+// The page below the verdict. It brings along the libraries for figures and scenes, which are started after it is painted.
 
 import type { Model } from './data';
 import { figure } from './figure';

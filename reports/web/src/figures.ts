@@ -1,5 +1,5 @@
 // Draws every figure that has something to show as SVG and PDF, without a browser: node figures.js PAGE.json FOLDER
-// What `moma report --figures` runs. The figures are those of the page, as its buttons save them.
+// Entry point of `moma report --figures`. The figures are those of the page, as its buttons save them.
 
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';

@@ -1,4 +1,4 @@
-// How much each gain explains by itself, and how sure that is: of a full factorial on common worlds by analysis of variance, of a
+// Share that each gain explains by itself, with its error: of a full factorial on common worlds by analysis of variance, of a
 // search by the decomposition of eval/search/sensitivity.h over the evaluations in the page; errors by a delete-a-group jackknife.
 
 import type { TuneSearch } from './data';

@@ -1,4 +1,4 @@
-// Where links of the page lead: their target stays below the bar while what lies above it is still being drawn.
+// Links within the page: their target stays below the bar while what lies above it is still being drawn.
 
 let target: Element | null = null;
 let place = 0;

@@ -22,7 +22,7 @@ declare module 'svg-to-pdfkit' {
   export default function draw(page: PDFDocument, svg: string, x: number, y: number, options: Options): void;
 }
 
-// What figures.ts uses of node; its whole types would replace the browser's.
+// The part of node that figures.ts uses; its whole types would replace the browser's.
 declare module 'node:fs' {
   export function readFileSync(path: string, encoding: 'utf8'): string;
   export function writeFileSync(path: string, content: string | Uint8Array): void;

@@ -1,4 +1,4 @@
-// What the parts of the page between its figures share: when they are filled, and their data as CSV.
+// Panels between the page's figures: they are filled when seen, and offer their data as CSV.
 
 import { drawLater, drawOrWait } from './draw_order';
 import { download, h } from './dom';

@@ -1,4 +1,4 @@
-// What a search for gains came to, in words.
+// Result of a search for gains in words.
 
 import type { TuneSearch } from './data';
 import { fixed, plural, probability } from './format';

@@ -1,4 +1,4 @@
-// What the figures show now: the slice, the family and the series that the reader has chosen.
+// The shown part of the data: slice, family and series that the reader has chosen.
 
 import { equalConditions, meets, onlyConditions } from './conditions';
 import { inSlice, namedBy, type Model, type Series, type Slice, type SummaryRow } from './data';
@@ -102,7 +102,7 @@ function best(model: Model, slice: Slice, all: readonly Series[]): Set<number> {
 }
 
 /**
- * What others are compared with: as chosen, else the first that the suite defines. Of many it is the first of all, though it
+ * The series that others are compared with: as chosen, else the first that the suite defines. Of many it is the first of all, though it
  * may not be among the best that are shown: two neighbours at the top are mostly a tie.
  */
 export function baseline(): Series | undefined {

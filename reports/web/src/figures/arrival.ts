@@ -32,7 +32,7 @@ export function arrival(): FigureSpec {
         stairs([[0, value(0)], ...thinned(times.length).map((i) => [times[i] ?? 0, value(i + 1)] as [number, number]), [end, value(times.length)]]);
       const drawn = curves.map((c) => ({ colour: seriesColour(p, c.s.mark), share: steps(c, (hits) => hits / c.n), low: steps(c, (hits) => wilson(hits, c.n).low), high: steps(c, (hits) => wilson(hits, c.n).high) }));
       const bands = curves.length <= kBands || curves.length > kTogether;
-      // Where the pointer is: a line through all times, never seen.
+      // An invisible line through all times, which the pointer finds.
       const pointer: Option = { type: 'line', data: Array.from({ length: 241 }, (_, i) => [(end * i) / 240, 0]), showSymbol: false, lineStyle: { opacity: 0 }, itemStyle: { opacity: 0 }, silent: true, emphasis: { disabled: true } };
       return {
         note: curves.map((c) => `${c.s.short}: ${integer(c.times.length)} of n = ${integer(c.n)} arrived`).join('; ') + (bands ? '. Bands: pointwise 95 % Wilson.' : '. The data have the 95 % Wilson intervals.'),

@@ -1,4 +1,4 @@
-// How much of the difference between a sweep's points each gain explains by itself, as bars with their errors.
+// Share of each gain in the difference between a sweep's points, as bars with their errors.
 
 import { axis, gridBox, nice, plain, rowAxis, tip, tipOf, whiskers, type Drawing, type FigureSpec } from '../chart';
 import { effects } from '../gain_effects';

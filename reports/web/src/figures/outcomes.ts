@@ -1,4 +1,4 @@
-// How trials ended: one bar per controller, within each family.
+// Outcomes of trials: one bar per controller, within each family.
 
 import { gridBox, kNarrow, legend, legendHeight, rowAxis, rowHeight, shareAxis, tip, tipOf, type FigureSpec } from '../chart';
 import { inkOn } from '../colour';

@@ -1,4 +1,4 @@
-// What more success costs: success against a measure that is good when low, and the points that nothing else beats in both.
+// The price of success: success against a measure that is good when low, and the points that nothing else beats in both.
 
 import { axis, gridBox, marksIn, nice, pathSeries, plain, shareAxis, stairs, tip, tipOf, whiskers, type FigureSpec } from '../chart';
 import type { Series, SummaryRow } from '../data';

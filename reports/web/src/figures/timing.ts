@@ -1,4 +1,4 @@
-// How long control steps took, against the control period.
+// Times of control steps against the control period.
 
 import { axis, kNarrow, pathSeries, plain, plots, shareAxis, stairs, tip, tipOf, type FigureSpec, type Option } from '../chart';
 import { integer, percent, plural, significant } from '../format';

@@ -1,4 +1,4 @@
-// Where the camera stands so that the whole of a motion is seen.
+// Place of the camera that shows the whole of a motion.
 
 import { Matrix4, Vector3, type PerspectiveCamera } from 'three';
 

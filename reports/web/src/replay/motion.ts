@@ -1,4 +1,4 @@
-// How objects and goals move: the motions of world files, evaluated as world/motion.cc does.
+// Motions of objects and goals: the motions of world files, evaluated as world/motion.cc does.
 
 import { Quaternion, Vector3 } from 'three';
 

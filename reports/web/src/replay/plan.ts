@@ -1,4 +1,4 @@
-// What a controller that looks ahead was about (docs/explanation/look-ahead.md): in words, and its path as places of the base.
+// State of the look-ahead (docs/explanation/look-ahead.md): in words, and its path as places of the base.
 
 import { kWords } from '../data';
 import { fixed, integer, plural } from '../format';
@@ -46,7 +46,7 @@ export function pathAhead(trace: Trace, t: number): [number, number][] {
   const places: [number, number][] = [];
   let i = now;
   for (; i < trace.n && mode[i] === kFollow && attempts[i] === attempts[now]; ++i) places.push([x[i] ?? 0, y[i] ?? 0]);
-  // What was never driven is known by its end alone.
+  // A path that was never driven is known by its end alone.
   if (i > now) places.push([column('end_x')[i - 1] ?? 0, column('end_y')[i - 1] ?? 0]);
   return places;
 }

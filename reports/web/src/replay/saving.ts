@@ -1,4 +1,4 @@
-// What can be taken along: a moment of a motion as PNG, the motion as WebM.
+// Files to save: a moment of a motion as PNG, the motion as WebM.
 
 import { downloadBlob, h } from '../dom';
 import { fixed, integer } from '../format';

@@ -1,4 +1,4 @@
-// What the controller knew and did, under one time line: errors, manipulability, distance, slack, any other signal of the samples, solver status.
+// Signals of the controller under one time line: errors, manipulability, distance, slack, any other signal of the samples, solver status.
 
 import { kFont } from '../chart';
 import { kWords } from '../data';

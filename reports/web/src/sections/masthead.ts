@@ -1,4 +1,4 @@
-// What was run, and what came of it: one sentence per controller.
+// The run and its result: one sentence per controller.
 
 import { disturbances } from '../conditions';
 import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';

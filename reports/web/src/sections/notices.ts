@@ -1,4 +1,4 @@
-// What the reader must know before trusting a number: missing, failed or mixed data.
+// Warnings before the numbers: missing, failed or mixed data.
 
 import { inSlice, type Model, type PointInfo } from '../data';
 import { integer, list, plural } from '../format';

@@ -1,4 +1,4 @@
-// How the numbers came to be: runs, versions, machine, what changed, and the controllers' parameters side by side.
+// Provenance of the numbers: runs, versions, machine, what changed, and the controllers' parameters side by side.
 
 import { flatten } from '../conditions';
 import { inSlice, type Model, type PointInfo } from '../data';
@@ -37,7 +37,7 @@ function disturbances(points: readonly PointInfo[]): HTMLElement | null {
 }
 
 function parameters(all: readonly PointInfo[]): HTMLElement | null {
-  // Where conditions alone are swept, a controller's points have the same parameters.
+  // If conditions alone are swept, a controller's points have the same parameters.
   const points = [...new Map(all.map((p) => [`${p.controller}\n${JSON.stringify(p.parameters)}`, p])).values()];
   const count = (among: readonly PointInfo[], p: PointInfo): number => among.filter((o) => o.controller === p.controller).length;
   const shown = points.slice(0, kMost).map((p): Column => ({ head: p.controller, small: count(all, p) > 1 && count(points, p) === 1 ? '' : p.point, values: new Map(flatten(p.parameters)) }));

@@ -200,7 +200,7 @@ export function trials(model: Model): HTMLElement {
   });
   state.listen(['trial'], () => { showDetail(state.get('trial')); reveal(); draw(); });
   onSelect((trial, play) => {
-    // What cannot be played is shown here, with the command that plays it.
+    // A trial without a stored motion shows the command that plays it.
     if (play && !model.playable(trial)) detail.scrollIntoView({ block: 'center' });
   });
   showDetail(state.get('trial'));
