@@ -299,9 +299,11 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
       return;
     }
   }
-  // The policy is never quicker than a direct way, unless that stops where the policy passes through.
+  // The policy is never quicker than a direct way, unless that stops where the policy passes through. Its rows keep
+  // more than a path of little clearance has.
   const bool direct = state_.brief.reason == PlanReason::kDirectWay && o.goal.stop;
-  const bool due = !direct && (state_.steps >= state_.next || news_);
+  const bool tight = params_.follow.to_end && state_.path.clearance < params_.clearance;
+  const bool due = !direct && !tight && (state_.steps >= state_.next || news_);
   if (job_ == Job::kNone && !due && !stuck()) return;
   const double rest = state_.path.duration - state_.brief.clock + params_.settle;
   if (!predict(o, EscapeState{}, std::min(params_.horizon, rest), budget)) return;

@@ -60,7 +60,10 @@ struct SearchParams {
   double hand_moves = 0.3, hand_step = 0.1;
   int hand_steps = 12;
   double base_alone = 0.2, arm_alone = 0.4, base_way = 1.0;
+  double back = 1.0;
   double tight = 0.3, closer = 1.7;
+  double off_goal = 0.0;
+  double same = 0.001, same_turn = 0.002, same_goal = 0.001, same_goal_turn = 0.002;
   double beyond = 2.5, roomy_beyond = 1.5;
   int goals = 3, effort = 16;
 };
@@ -84,8 +87,15 @@ constexpr void describe(auto& v, Of<SearchParams>) {
   v.member("base_alone", &T::base_alone, in_range(kShare, "1", "share of samples that move the base alone"));
   v.member("arm_alone", &T::arm_alone, in_range(kShare, "1", "share of samples that move the arm alone"));
   v.member("base_way", &T::base_way, positive("m", "longest way of a base that moves alone"));
+  v.member("back", &T::back, in_range({0.0, 1.0, true}, "1", "share of a blocked step's free part that a tree goes"));
   v.member("tight", &T::tight, in_range(kShare, "1", "share of the clearance in the last tier"));
   v.member("closer", &T::closer, positive("1", "least clearance at a close goal, in units of collision.at_goal.least"));
+  v.member("off_goal", &T::off_goal,
+           in_range(kShare, "1", "share of the goal's tolerances by which a close goal is missed if nothing holds it"));
+  v.member("same", &T::same, positive("m", "motion of an object up to which a plan keeps what the last one found"));
+  v.member("same_turn", &T::same_turn, positive("rad", "the same of its orientation"));
+  v.member("same_goal", &T::same_goal, positive("m", "the same of the goal"));
+  v.member("same_goal_turn", &T::same_goal_turn, positive("rad", "the same of the goal's orientation"));
   v.member("beyond", &T::beyond, non_negative("m", "distance beyond start and goal within which bases are drawn"));
   v.member("roomy_beyond", &T::roomy_beyond, non_negative("m", "the same in the roomy tier"));
   v.member("goals", &T::goals, in_range({1.0, 100.0}, "", "goal configurations kept, in units of plan.ik_enough"));
@@ -98,6 +108,7 @@ struct FollowParams {
   double across = 6.0;
   double rate = 15.0;
   double kept = 0.45;
+  bool to_end = false;
 };
 
 constexpr void describe(auto& v, Of<FollowParams>) {
@@ -107,6 +118,7 @@ constexpr void describe(auto& v, Of<FollowParams>) {
   v.member("across", &T::across, non_negative("rad/m^2", "turn to the path per metre beside it and metre driven"));
   v.member("rate", &T::rate, positive("1/s", "least gain of the rows' dampers on a path of small clearance"));
   v.member("kept", &T::kept, in_range({0.0, 1.0}, "1", "share of the path's clearances that rows keep"));
+  v.member("to_end", &T::to_end, {.text = "a path of less than plan.clearance is followed to its end"});
 }
 
 /// Decisions of the look-ahead (ahead/lookahead.h): when it predicts, chooses, follows, and gives a path up.

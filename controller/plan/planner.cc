@@ -41,6 +41,8 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
       least_{-1.0, least_of(params.collision.floor, params.plan.self),
              least_of(params.collision.self, params.plan.self)},
       at_goal_(params.collision.at_goal),
+      position_(params.escape.position),
+      orientation_(params.escape.orientation),
       goal_clearance_(*model) {
   // Some links are nearer to each other than that in every configuration.
   WholeConfiguration ready = WholeConfiguration::Zero(3 + model->num_joints());
@@ -116,18 +118,19 @@ void Planner::set_tiers(int first) noexcept {
   }
 }
 
-// Tolerances are the noise of filtered measurements.
 bool Planner::same_world(const Isometry& X_WG, std::span<const ObjectState> objects) const noexcept {
-  constexpr double kMoved = 1e-3, kTurned = 2e-3;  // [m, rad]
-  const auto same = [](const Isometry& a, const Isometry& b) {
-    return (a.translation() - b.translation()).squaredNorm() < kMoved * kMoved &&
-           (a.linear() - b.linear()).squaredNorm() < 2.0 * kTurned * kTurned;
+  const SearchParams& search = params_.search;
+  const auto same = [](const Isometry& a, const Isometry& b, double moved, double turned) {
+    return (a.translation() - b.translation()).squaredNorm() < moved * moved &&
+           (a.linear() - b.linear()).squaredNorm() < 2.0 * turned * turned;
   };
-  if (!same(X_WG, X_WG_) || objects.size() != space_.states().size()) return false;
+  if (!same(X_WG, X_WG_, search.same_goal, search.same_goal_turn) || objects.size() != space_.states().size())
+    return false;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ObjectState& then = space_.states()[i];
     const bool counts = objects[i].visible && !in_motion(objects[i]);
-    if (counts != then.visible || (counts && !same(objects[i].X_WO, then.X_WO))) return false;
+    if (counts != then.visible || (counts && !same(objects[i].X_WO, then.X_WO, search.same, search.same_turn)))
+      return false;
   }
   return true;
 }
@@ -196,7 +199,8 @@ void Planner::work() noexcept {
 }
 
 // Tries for a goal close to an object alternate with the last tier, in case all its configurations are near joint
-// limits.
+// limits. If a plan found none, measured objects may lie where the hand would be, or a joint would be beyond its limit:
+// then poses count from which the trial succeeds all the same.
 void Planner::try_goal() noexcept {
   if (usable_goals() + late_ >= params_.ik_enough || tries_ >= effort_ * params_.ik_tries) return begin_search();
   const int aim = close_goal() && tries_ % 2 == 1 ? last_tier() : tier_;
@@ -204,8 +208,24 @@ void Planner::try_goal() noexcept {
   space_.keep(tiers_[static_cast<std::size_t>(aim)]);
   ++counts_.ik_tries;
   GoalConfiguration goal;
-  if (ik_.find(space_, X_WG_, start_, goals_, tries_++, draws_, goal.c)) take_goal(goal);
+  const bool off = params_.search.off_goal > 0.0 && close_goal() && aim == last_tier() && goals_.empty() && effort_ > 1;
+  if (ik_.find(space_, off ? near_goal() : X_WG_, start_, goals_, tries_++, draws_, goal.c)) take_goal(goal);
   space_.keep(tiers_[static_cast<std::size_t>(tier_)]);
+}
+
+// Draws a pose within a share of the goal's tolerances.
+Isometry Planner::near_goal() noexcept {
+  Vector3 way, turn;
+  for (int i = 0; i < 3; ++i) {
+    way[i] = draws_.uniform(-1.0, 1.0);
+    turn[i] = draws_.uniform(-1.0, 1.0);
+  }
+  Isometry X = X_WG_;
+  X.translation() += params_.search.off_goal * position_ * way / std::max(1.0, way.norm());
+  turn *= params_.search.off_goal * orientation_ / std::max(1.0, turn.norm());
+  const double angle = turn.norm();
+  if (angle > 1e-9) X.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * X_WG_.linear();
+  return X;
 }
 
 // Keeps a goal with the first tier in which it is free.

@@ -79,6 +79,7 @@ class Planner {
   bool same_world(const Isometry& X_WG, std::span<const ObjectState> objects) const noexcept;
   void begin_search() noexcept;
   void try_goal() noexcept;
+  Isometry near_goal() noexcept;
   void take_goal(GoalConfiguration& goal) noexcept;
   long tier_checks() const noexcept;
   int last_tier() const noexcept;
@@ -98,6 +99,7 @@ class Planner {
   VectorX tuck_;
   Clearances least_;  // of a goal, however near the start is to something
   GoalClearanceParams at_goal_;
+  double position_, orientation_;  // tolerances of the goal [m, rad]
   GoalClearance goal_clearance_;
   double needed_ = kInfinity;  // the hand's distance at the goal; infinite where it is not below the clearance [m]
   int effort_ = 1;

@@ -196,10 +196,11 @@ int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguratio
       b[2] = mobile ? a[2] + part * wrapped(target[2] - a[2]) : a[2];
   }
   make_edge(*limits_, a, b, edge_);
-  const double free = space.free_part(edge_, check_step_);
+  double free = space.free_part(edge_, check_step_);
   if (free == 1.0) return tree.add(b, from);
   reached = false;
   if (free * std::sqrt(distance_squared(a, b)) < params_.least_step) return -1;
+  free *= params_.back;
   edge_point(*limits_, edge_, free, b);
   if (limits_->mobile()) {
     make_edge(*limits_, a, b, edge_);

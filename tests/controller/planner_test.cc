@@ -376,6 +376,106 @@ TEST(Planner, GoesOnAfterTheStartHasMoved) {
   }
 }
 
+// Measurements of a world at rest differ by their noise, however long they are averaged.
+TEST(Planner, GoesOnAmongMeasurementsThatDiffer) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  ControllerParams params = close_params(*model, 1);
+  params.plan.search.same = 0.005;
+  params.plan.search.same_goal = 0.002;
+  Planner planner(model, params);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Scene scene = make_scene(model, seed, 0);
+    close_in(planner, scene);
+    ASSERT_TRUE(planner.close_goal());
+    ASSERT_FALSE(plan_whole(planner, scene, seed));
+    ASSERT_GE(planner.counts().goals, params.plan.ik_enough) << "seed " << seed;
+    const auto tries_after = [&](double object, double goal) {
+      scene.states.back().X_WO.translation().y() += object;
+      scene.X_WG.translation().y() += goal;
+      planner.begin(scene.start, scene.X_WG, scene.states, seed);
+      long budget = 1L << 40;
+      planner.advance(budget);
+      return planner.counts().ik_tries;
+    };
+    const SearchParams& search = params.plan.search;
+    EXPECT_EQ(tries_after(0.9 * search.same, 0.0), 0) << "seed " << seed;
+    EXPECT_EQ(tries_after(0.0, 0.9 * search.same_goal), 0) << "seed " << seed;
+    EXPECT_GT(tries_after(1.1 * search.same, 0.0), 0) << "seed " << seed;
+    EXPECT_GT(tries_after(0.0, 1.1 * search.same_goal), 0) << "seed " << seed;
+  }
+}
+
+// Trees end short of what blocks them. A corner at the least distance goes up to an object for nothing.
+TEST(Planner, CornersKeepAwayFromWhatBlocksATree) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  Kinematics kinematics(model);
+  const auto touching = [&](double back) {
+    ControllerParams params = close_params(*model, 200000);
+    params.plan.shortcuts = 0;
+    params.plan.search.back = back;
+    Planner planner(model, params);
+    int near = 0;
+    for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+      const Scene scene = between_plates(model, seed);
+      if (!plan_whole(planner, scene, seed)) continue;
+      for (const Edge& edge : planner.edges().all().subspan(1)) {
+        kinematics.update(edge.a.head<3>(), edge.a.tail(model->num_joints()));
+        if (object_clearance(*model, kinematics, scene) < planner.path().clearance + 0.005) ++near;
+      }
+    }
+    return near;
+  };
+  const int short_of = touching(0.7), all_the_way = touching(1.0);
+  EXPECT_LT(short_of, all_the_way) << short_of << " corners against " << all_the_way;
+}
+
+// An object is measured where the hand would be, so that nothing holds the goal itself.
+TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  ControllerParams params = close_params(*model, 20000);
+  params.escape.position = 0.01;
+  params.escape.orientation = 0.05;
+  Planner exact(model, params);
+  params.plan.search.off_goal = 0.4;
+  Planner near(model, params);
+  const MotionLimits limits(*model, params);
+  GoalClearance hand(*model);
+  FreeSpace space(model, limits);
+  Kinematics kinematics(model);
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Scene scene = make_scene(model, seed, 0);
+    scene.shapes.push_back({"ball", make_sphere(0.03)});
+    scene.states.emplace_back();
+    space.set_objects(scene.shapes);
+    hand.allocate(1);
+    for (double away = 0.1; away > 0.0; away -= 0.0005) {
+      scene.states.back().X_WO.translation() = scene.X_WG * Vector3(0.0, 0.0, away);
+      space.set_states(scene.states);
+      if (space.least_at_goal(hand, scene.start, scene.X_WG, 0.1) < 0.001) break;
+    }
+    const auto finds = [&](Planner& planner) {
+      bool any = plan_whole(planner, scene, seed);
+      for (int k = 0; !any && k < 3; ++k) {
+        planner.begin(scene.start, scene.X_WG, scene.states, seed);
+        long budget = 1L << 40;
+        planner.advance(budget);
+        any = planner.found();
+      }
+      return any;
+    };
+    EXPECT_FALSE(finds(exact)) << "seed " << seed;
+    if (!finds(near)) continue;
+    ++found;
+    WholeConfiguration c;
+    near.path().at(near.path().duration, c);
+    kinematics.update(c.head<3>(), c.tail(model->num_joints()));
+    EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 0.4 * 0.01 + 1e-3);
+    EXPECT_GT(object_clearance(*model, kinematics, scene), 0.0015);
+  }
+  EXPECT_GE(found, 4);
+}
+
 // What a path needs of time is worth more than a quicker path, from some moment on.
 TEST(Planner, InAHurryTheBestSoFarCounts) {
   const auto model = load_model("configs/robots/panda.yaml");
