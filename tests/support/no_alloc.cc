@@ -32,16 +32,16 @@ void* __libc_calloc(std::size_t, std::size_t);    // NOLINT(bugprone-reserved-id
 void* __libc_realloc(void*, std::size_t);         // NOLINT(bugprone-reserved-identifier)
 void* __libc_memalign(std::size_t, std::size_t);  // NOLINT(bugprone-reserved-identifier)
 
-void* malloc(std::size_t size) { return refused() ? nullptr : __libc_malloc(size); }
-void* calloc(std::size_t count, std::size_t size) { return refused() ? nullptr : __libc_calloc(count, size); }
-void* realloc(void* old, std::size_t size) { return refused() ? nullptr : __libc_realloc(old, size); }
-void* memalign(std::size_t alignment, std::size_t size) {
+void* malloc(std::size_t size) noexcept { return refused() ? nullptr : __libc_malloc(size); }
+void* calloc(std::size_t count, std::size_t size) noexcept { return refused() ? nullptr : __libc_calloc(count, size); }
+void* realloc(void* old, std::size_t size) noexcept { return refused() ? nullptr : __libc_realloc(old, size); }
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
   return refused() ? nullptr : __libc_memalign(alignment, size);
 }
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   return refused() ? nullptr : __libc_memalign(alignment, size);
 }
-int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+int posix_memalign(void** out, std::size_t alignment, std::size_t size) noexcept {
   *out = refused() ? nullptr : __libc_memalign(alignment, size);
   return *out == nullptr ? ENOMEM : 0;
 }

@@ -66,8 +66,8 @@ TEST(TimeBound, TheEndHoldsTheGoalWithinLimits) {
   }
 }
 
-// Goals made from known configurations: the search finds one that is about as quick, or quicker. 200 tries beat 40 by
-// 2 % in the mean.
+// The witness holds the goal. The search, which is not told of it, finds a configuration that is as quick or quicker in
+// nine of ten worlds; 200 tries find little quicker ones.
 TEST(TimeBound, FindsWhatIsKnown) {
   const auto model = robot("panda");
   const Worlds source = worlds(kOpen);
@@ -87,7 +87,7 @@ TEST(TimeBound, FindsWhatIsKnown) {
     sum += bound;
     more += time_bound(model, world, 200).time;
   }
-  EXPECT_LE(slower, 2);
+  EXPECT_LE(slower, kWorlds / 10);
   EXPECT_LT(sum, 1.06 * more) << sum / kWorlds << " s in the mean, " << more / kWorlds << " s with 200 tries";
   EXPECT_GE(sum, more);
 }

@@ -223,6 +223,7 @@ class Search {
 double rest_to_rest(double way, const RampLimits& limits) noexcept {
   if (way <= 0.0) return 0.0;
   const double v = limits.speed, a = limits.acceleration, j = limits.jerk;
+  if (std::isinf(a) && std::isinf(j)) return way / v;
   const bool reaches_a = v * j >= a * a;  // before the greatest speed
   const double ramp = reaches_a ? v / a + a / j : 2.0 * std::sqrt(v / j);
   if (way >= v * ramp) return way / v + ramp;
@@ -234,7 +235,7 @@ TimeBound time_bound(const std::shared_ptr<const RobotModel>& model, const World
   Search search(model, world);
   search.from_witness();
   Draws draws(world.seed, world.index, Stream::kTimeBound);
-  for (int k = 0; k < tries; ++k) search.from_nearby(draws);
+  for (int k = 0; k < (std::isinf(search.best().time) ? 10 * tries : tries); ++k) search.from_nearby(draws);
   return search.best();
 }
 
