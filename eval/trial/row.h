@@ -31,8 +31,6 @@ struct TrialRow {
   std::string object;  ///< object's name, "floor", or "self:LINK"
   double time_end_s = 0.0;
   double time_to_goal_s = kAbsent;
-  double time_bound_s = kAbsent;
-  double times_bound = kAbsent;
   double position_error_m = kAbsent;
   double orientation_error_rad = kAbsent;
   double path_ee_m = 0.0;
@@ -48,6 +46,8 @@ struct TrialRow {
   double jerk_ee_rms = kAbsent;
   double jerk_joint_rms = kAbsent;
   double command_change_mean = kAbsent;
+  double time_bound_s = kAbsent;
+  double times_bound = kAbsent;
   double acceleration_max = kAbsent;
   double energy_j = kAbsent;
   double slack_mean = kAbsent;
@@ -102,19 +102,6 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                .with_decimals(2)
                .absent("unless the trial succeeds")
                .in_table("To goal"));
-  v.member("time_bound_s", &R::time_bound_s,
-           metric("time bound", "s", kNeither,
-                  "least time found from rest to rest at the goal for the robot alone, without objects and controller")
-               .with_decimals(2)
-               .absent("unless the world has one fixed pose as its goal")
-               .since(kUnknown));
-  v.member("times_bound", &R::times_bound,
-           metric("times the bound, mean", "", kLow, "time_to_goal_s / time_bound_s")
-               .with_decimals(2)
-               .absent("unless the trial succeeds and has a time bound")
-               .since(kUnknown)
-               .in_table("x bound")
-               .in_summary());
   v.member("position_error_m", &R::position_error_m,
            metric("final position error", "m", kLow, "distance to the goal at the end").in_table("Error"));
   v.member("orientation_error_rad", &R::orientation_error_rad,
@@ -167,6 +154,19 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
   v.member("command_change_mean", &R::command_change_mean,
            metric("command change, mean", "", kLow, "mean over steps of the largest |change| / limit")
                .in_table("Change")
+               .in_summary());
+  v.member("time_bound_s", &R::time_bound_s,
+           metric("time bound", "s", kNeither,
+                  "least time found from rest to rest at the goal for the robot alone, without objects and controller")
+               .with_decimals(2)
+               .absent("unless the world has one fixed pose as its goal")
+               .since(kUnknown));
+  v.member("times_bound", &R::times_bound,
+           metric("times the bound, mean", "", kLow, "time_to_goal_s / time_bound_s")
+               .with_decimals(2)
+               .absent("unless the trial succeeds and has a time bound")
+               .since(kUnknown)
+               .in_table("x bound")
                .in_summary());
   v.member("acceleration_max", &R::acceleration_max,
            metric("acceleration of the joints, greatest", "rad/s²", kLow,

@@ -177,7 +177,8 @@ TEST(Store, ViewsHaveTheDocumentedColumns) {
                                             "time_to_goal_median_s",
                                             "manip_mean",
                                             "clearance_min_m",
-                                            "command_change_mean"};
+                                            "command_change_mean",
+                                            "times_bound"};
   EXPECT_EQ(store::query(file, "SELECT * FROM v_summary").columns, summary);
 }
 

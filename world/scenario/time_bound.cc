@@ -21,8 +21,9 @@ constexpr double kPower = 8.0;                           // of the norm that sta
 constexpr double kMostTurn = 0.6, kMostWay = 0.3;        // correction of one iteration [rad, m]
 constexpr double kPosition = 1e-3, kOrientation = 2e-3;  // error of a configuration at the goal [m, rad]
 constexpr double kDamping = 1e-3;
-constexpr double kNearby = 1.2;  // joints of a try about the start [rad]
-constexpr double kReach = 0.9;   // of a base from the goal [m]
+constexpr double kNullSpace = 0.02;  // least share of the slope in the null space
+constexpr double kNearby = 2.0;      // most by which joints of a try differ from the start [rad]
+constexpr double kReach = 0.9;       // of a base from the goal [m]
 
 double wrapped(double angle) noexcept { return std::remainder(angle, 2.0 * kPi); }
 
@@ -67,9 +68,10 @@ class Search {
 
   void from_nearby(Draws& draws) {
     VectorX x = start_;
+    const double apart = kNearby * draws.uniform();
     for (int i = 0; i < model_.num_joints(); ++i) {
       const double part = model_.joint(i).type == JointType::kPrismatic ? 0.3 : 1.0;
-      const double to = x[bases_ + i] + part * draws.uniform(-kNearby, kNearby);
+      const double to = x[bases_ + i] + part * draws.uniform(-apart, apart);
       x[bases_ + i] = std::clamp(to, lower_[bases_ + i], upper_[bases_ + i]);
     }
     if (bases_ > 0) {
@@ -102,9 +104,7 @@ class Search {
   }
 
   double joint_time(const VectorX& x, Eigen::Index i) const noexcept {
-    const double way = x[bases_ + i] - start_[bases_ + i];
-    const bool winds = model_.joints[static_cast<std::size_t>(i)].type == JointType::kContinuous;
-    return rest_to_rest(std::abs(winds ? wrapped(way) : way), joints_[static_cast<std::size_t>(i)]);
+    return rest_to_rest(std::abs(x[bases_ + i] - start_[bases_ + i]), joints_[static_cast<std::size_t>(i)]);
   }
 
   double time(const VectorX& x) const noexcept {
@@ -161,6 +161,16 @@ class Search {
     J(4, 2) = r.x();
   }
 
+  // A joint takes the turn that is nearest to the start, where its limits allow it.
+  void unwind(VectorX& x) const noexcept {
+    for (int i = 0; i < model_.num_joints(); ++i) {
+      const Eigen::Index at = bases_ + i;
+      const double nearest = start_[at] + wrapped(x[at] - start_[at]);
+      if (model_.joint(i).type != JointType::kPrismatic && nearest >= lower_[at] && nearest <= upper_[at])
+        x[at] = nearest;
+    }
+  }
+
   // Damped least squares until E is near the goal, then projected descent in the metric of the squared speeds: the part
   // of a step in the null space of the goal makes the motion quicker, the other part keeps E at the goal. Steps shrink
   // at a fixed rate, so that the last ones stay at the goal.
@@ -189,7 +199,8 @@ class Search {
         const VectorX along = down - free.cwiseProduct(J.transpose() * ldlt.solve(Vector6(J * down)));
         const double rate = slope.dot(along);
         step = free.cwiseProduct(J.transpose() * ldlt.solve(e));
-        if (near && rate > 1e-12) step -= length * now / rate * along;
+        // An arm that is not redundant has no null space: what damping leaves of it leads off the goal.
+        if (near && rate > kNullSpace * slope.dot(down)) step -= length * now / rate * along;
         bool beyond = false;
         for (Eigen::Index i = 0; i < n; ++i) {
           const double to = std::clamp(x[i] + step[i], lower_[i], upper_[i]);
@@ -202,6 +213,7 @@ class Search {
         if (!beyond) break;
       }
       x = (x + step).cwiseMax(lower_).cwiseMin(upper_);
+      unwind(x);
       if (!near) continue;
       length *= kShrink;
       --left;
