@@ -235,7 +235,7 @@ TEST_F(CliLook, MetricsOfASuiteAreWhereMomasAre) {
   good({"report", "a.db", "-o", "a.html", "--table", "a.tex"});
   std::ifstream table(path("a.tex"));
   const std::string tex{std::istreambuf_iterator<char>(table), {}};
-  EXPECT_NE(tex.find("& mean command change & latest "), std::string::npos) << tex;
+  EXPECT_NE(tex.find("& mean times the bound & latest "), std::string::npos) << tex;
   std::ifstream page(path("a.html"));
   const std::string text{std::istreambuf_iterator<char>(page), {}};
   EXPECT_NE(text.find("\"key\":\"latest\""), std::string::npos);
