@@ -158,7 +158,7 @@ TEST(PageData, MetricsOfASuiteStandBesideMomas) {
   }
   write_table({folder / "a.db"}, folder / "a.tex");
   const std::string tex = read_file(folder / "a.tex");
-  EXPECT_NE(tex.find("& mean command change & jitter & steps"), std::string::npos) << tex;
+  EXPECT_NE(tex.find("& mean command change & mean times the bound & jitter & steps"), std::string::npos) << tex;
 }
 
 TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {
