@@ -21,8 +21,10 @@ function front(all: readonly Point[]): Point[] {
 }
 
 export function pareto(): FigureSpec {
-  const costs = (): Measure[] => measures().filter((m) => m.lowIsGood);
-  const cost = (): Measure => costs().find(({ key }) => key === state.get('f.cost')) ?? costs()[costs().length - 1]!;
+  // Stores of before lack the values of newer columns.
+  const known = (m: Measure): boolean => view().all.some((series) => { const row = resultOf(series); return row !== undefined && !Number.isNaN(valueOf(row, m)); });
+  const costs = (): Measure[] => measures().filter((m) => m.lowIsGood && known(m));
+  const cost = (): Measure => costs().find(({ key }) => key === state.get('f.cost')) ?? costs().at(-1) ?? measures()[0]!;
   return {
     id: 'pareto',
     title: () => `Success against ${cost().name}`,
