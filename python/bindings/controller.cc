@@ -105,7 +105,7 @@ void bind_controller(nb::module_& module) {
 }
 
 void bind_case(nb::module_& module) {
-  // Of a file, or where that is empty of a text.
+  // Reads a file or, if its name is empty, a text.
   const auto read = [](const std::string& file, const std::string& json) {
     return file.empty() ? read_case(node_of(json, "case")) : read_case(file);
   };

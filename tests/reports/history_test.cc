@@ -33,7 +33,7 @@ TEST(Invocations, BringTheirEstimatesOfRisk) {
   EXPECT_EQ(risk(), Json(nullptr));
   change(folder / "a.db", R"(UPDATE invocation SET risk = '[{"controller": "moma", "p": 5.3e-5}]')");
   EXPECT_EQ(risk(), Json::parse(R"([{"controller": "moma", "p": 5.3e-5}])"));
-  // Of an earlier build.
+  // A store of an earlier build.
   change(folder / "a.db", "ALTER TABLE invocation DROP COLUMN risk");
   EXPECT_EQ(risk(), Json(nullptr));
 }
