@@ -15,10 +15,6 @@ constexpr auto words(Of<ShapeKind>) {
   return std::to_array<std::string_view>({"sphere", "box", "cylinder", "capsule", "convex"});
 }
 
-/// Kinds of shapes that a few numbers describe.
-inline constexpr std::array kPrimitiveShapes{ShapeKind::kSphere, ShapeKind::kBox, ShapeKind::kCylinder,
-                                             ShapeKind::kCapsule};
-
 /// Convex hull of a mesh: its vertices in the shape's frame and the triangles of its surface (indices into `vertices`,
 /// counter-clockwise seen from outside). Shared because hulls are large.
 struct ConvexHull {
