@@ -35,7 +35,7 @@ Situation Assessment::assess(const Observation& seen, std::span<const PlaceSprea
   Task servo;
   if (!whole) {
     copy_observation(seen, aimed_);
-    aimed_.goal.X_WG = nearest_pose(seen.goal, kinematics_.X_WE());
+    aimed_.goal.X_WG = nearest_pose(seen.goal.X_WG, seen.goal.free, kinematics_.X_WE());
     servo.free = seen.goal.free;
     servo.R_WG = seen.goal.X_WG.linear();
   }

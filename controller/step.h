@@ -24,12 +24,6 @@ struct GoalState {
 /// True if the goal fixes the whole pose.
 inline bool is_whole(const GoalState& goal) noexcept { return goal.free.isZero(0.0); }
 
-/// Returns the pose that the goal allows nearest to X_WE: its own one if it is_whole(). With one free rotation, about
-/// axis a, or two, about the axes other than a, R_GE = R_swing R_twist with R_twist about a: the goal takes over the
-/// twist, or the swing. Places are projected onto the axes of G that are not free.
-/// Source: swing-twist decomposition, e.g. Dobrowolski, arXiv 1506.05481. Real-time safe.
-Isometry nearest_pose(const GoalState& goal, const Isometry& X_WE) noexcept;
-
 /// Sensed quantities at one step, never the simulator's true state.
 struct Observation {
   double time = 0.0;               ///< since the start of the motion [s]

@@ -1,6 +1,7 @@
 #include "controller/model/kinematics.h"
 
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "controller/model/base_kind.h"
@@ -87,6 +88,16 @@ void Kinematics::point_jacobian(int link, const Vector3& p_W, Eigen::Ref<Matrix3
   }
 }
 
+void free_jacobian(const Kinematics& kinematics, Eigen::Ref<Matrix6X> J) noexcept {
+  const Eigen::Index joints = J.cols() - 3;
+  const Vector3 r = kinematics.X_WE().translation() - kinematics.X_WB().translation();
+  J.leftCols<3>().setZero();
+  J(3, 0) = J(4, 1) = J(2, 2) = 1.0;
+  J(3, 2) = -r.y();
+  J(4, 2) = r.x();
+  J.rightCols(joints) = kinematics.J_WE_W().rightCols(joints);
+}
+
 void integrate(const RobotModel& model, Vector3& base, Eigen::Ref<VectorX> q, const Eigen::Ref<const VectorX>& v,
                double dt) noexcept {
   if (model.base_dof() > 0) {
@@ -124,6 +135,34 @@ Vector3 log_so3(const Matrix3& R) noexcept {
   const double n = v.norm();
   return n < 1e-8 ? Vector3(2.0 / w * v) : Vector3(2.0 * std::atan2(n, w) / n * v);
 }
+
+Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept {
+  Vector6 e;
+  e.head<3>() = log_so3(X_WG.linear() * X_WE.linear().transpose());
+  e.tail<3>() = X_WG.translation() - X_WE.translation();
+  return e;
+}
+
+Isometry nearest_pose(const Isometry& X_WG, const Vector6& free, const Isometry& X_WE) noexcept {
+  if (free.isZero(0.0)) return X_WG;
+  const Matrix3 R_WG = X_WG.linear();
+  Isometry X = X_WG;
+  X.translation() += R_WG * (free.tail<3>().array() != 0.0)
+                                .select(R_WG.transpose() * (X_WE.translation() - X.translation()), Vector3::Zero());
+  const Eigen::Array<bool, 3, 1> turns = free.head<3>().array() != 0.0;
+  const auto count = turns.count();
+  if (count == 3) X.linear() = X_WE.linear();
+  if (count == 0 || count == 3) return X;
+  Eigen::Index axis = 0;  // the only free one, or the only one that is not
+  while (turns[axis] != (count == 1)) ++axis;
+  const Eigen::Quaterniond q_GE(Matrix3(R_WG.transpose() * X_WE.linear()));
+  const double angle = 2.0 * std::atan2(q_GE.vec()[axis], q_GE.w());
+  const Matrix3 twist = Eigen::AngleAxisd(angle, Vector3::Unit(axis)).toRotationMatrix();
+  X.linear() = count == 1 ? Matrix3(R_WG * twist) : Matrix3(X_WE.linear() * twist.transpose());
+  return X;
+}
+
+double wrapped(double angle) noexcept { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 Vector3 rpy_of(const Matrix3& R) noexcept {
   return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),

@@ -45,6 +45,10 @@ class Kinematics {
   Matrix6X J_WE_W_;
 };
 
+/// Jacobian of E for a base that moves freely in the plane: 6 x (3 + num_joints()), [angular; linear] at E in world
+/// axes; columns are the base's place (x, y) and heading in W, then the joints. For the configuration of `kinematics`.
+void free_jacobian(const Kinematics& kinematics, Eigen::Ref<Matrix6X> J) noexcept;
+
 /// Moves base and q by the constant velocity `v` for `dt` seconds: joints linearly, a differential base
 /// along the exact arc, an omnidirectional base along the exact screw of constant (v_x, v_y, omega) in B.
 /// phi is not wrapped.
@@ -53,6 +57,19 @@ void integrate(const RobotModel& model, Vector3& base, Eigen::Ref<VectorX> q, co
 
 /// Rotation vector of R, |result| <= pi; defined at 0 and at pi (there the axis' first non-zero component is positive).
 Vector3 log_so3(const Matrix3& R) noexcept;
+
+/// Returns e = [log(R_WG R_WE^T); p_WG - p_WE] in world axes [rad, m].
+Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept;
+
+/// Returns the pose nearest to X_WE of those that X_WG allows where the directions [rx ry rz x y z] with `free` not 0,
+/// about and along axes of G, are free. With one free rotation, about axis a, or two, about the axes other than a,
+/// R_GE = R_swing R_twist with R_twist about a: the goal takes over the twist, or the swing. Places are projected onto
+/// the axes of G that are not free.
+/// Source: swing-twist decomposition, e.g. Dobrowolski, arXiv 1506.05481. Real-time safe.
+Isometry nearest_pose(const Isometry& X_WG, const Vector6& free, const Isometry& X_WE) noexcept;
+
+/// Wraps an angle into [-pi, pi].
+double wrapped(double angle) noexcept;
 
 /// Roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll), each in [-pi, pi], pitch in [-pi/2, pi/2]. At a pitch of +-pi/2
 /// roll and yaw are not unique; one solution is returned.

@@ -42,8 +42,6 @@ double wheels_part(const MobileBase& base) {
 
 }  // namespace
 
-double wrapped(double angle) noexcept { return std::remainder(angle, kFullTurn); }
-
 MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& params)
     : base(&kind_of(model.base.type)),
       lower(model.num_joints()),

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "controller/model/base_kind.h"
+#include "controller/model/kinematics.h"
 #include "controller/model/robot_model.h"
 #include "controller/params.h"
 #include "controller/plan/plan_params.h"
@@ -14,9 +15,6 @@ namespace moma {
 using WholeConfiguration = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + kMaxJoints, 1>;
 
 inline constexpr double kFullTurn = 2.0 * std::numbers::pi;
-
-/// Wraps into [-pi, pi].
-double wrapped(double angle) noexcept;
 
 /// Limits of paths, and lever arms, of one robot with one controller.
 struct MotionLimits {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "controller/model/manipulability.h"
-#include "controller/task/servo.h"
 
 namespace moma {
 namespace {
@@ -24,19 +23,6 @@ constexpr double kGap = 0.3;
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 + kMaxJoints>;
-
-// Columns: the base's place (x, y) and heading in W, then the joints; zero for a base that is bolted down.
-void free_jacobian(const Kinematics& kinematics, bool mobile, Jacobian& J) noexcept {
-  const Eigen::Index joints = J.cols() - 3;
-  J.leftCols<3>().setZero();
-  if (mobile) {
-    const Vector3 r = kinematics.X_WE().translation() - kinematics.X_WB().translation();
-    J(3, 0) = J(4, 1) = J(2, 2) = 1.0;
-    J(3, 2) = -r.y();
-    J(4, 2) = r.x();
-  }
-  J.rightCols(joints) = kinematics.J_WE_W().rightCols(joints);
-}
 
 double shortened(double length, double most) noexcept { return length > most ? most / length : 1.0; }
 
@@ -86,7 +72,8 @@ bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfigurati
       if (error > kFall * before) return false;
       before = error;
     }
-    free_jacobian(kinematics, mobile_ && moves_base, J);
+    free_jacobian(kinematics, J);
+    if (!mobile_ || !moves_base) J.leftCols<3>().setZero();
     Vector6 wanted = e;
     wanted.head<3>() *= shortened(turn, kMostTurn);
     wanted.tail<3>() *= shortened(way, kMostWay);

@@ -16,32 +16,6 @@ Vector3 clamped(const Vector3& v, double limit) noexcept {
 
 }  // namespace
 
-Isometry nearest_pose(const GoalState& goal, const Isometry& X_WE) noexcept {
-  if (is_whole(goal)) return goal.X_WG;
-  const Matrix3& R_WG = goal.X_WG.linear();
-  Isometry X = goal.X_WG;
-  X.translation() += R_WG * (goal.free.tail<3>().array() != 0.0)
-                                .select(R_WG.transpose() * (X_WE.translation() - X.translation()), Vector3::Zero());
-  const Eigen::Array<bool, 3, 1> turns = goal.free.head<3>().array() != 0.0;
-  const auto count = turns.count();
-  if (count == 3) X.linear() = X_WE.linear();
-  if (count == 0 || count == 3) return X;
-  Eigen::Index axis = 0;  // the only free one, or the only one that is not
-  while (turns[axis] != (count == 1)) ++axis;
-  const Eigen::Quaterniond q_GE(Matrix3(R_WG.transpose() * X_WE.linear()));
-  const double angle = 2.0 * std::atan2(q_GE.vec()[axis], q_GE.w());
-  const Matrix3 twist = Eigen::AngleAxisd(angle, Vector3::Unit(axis)).toRotationMatrix();
-  X.linear() = count == 1 ? Matrix3(R_WG * twist) : Matrix3(X_WE.linear() * twist.transpose());
-  return X;
-}
-
-Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept {
-  Vector6 e;
-  e.head<3>() = log_so3(X_WG.linear() * X_WE.linear().transpose());
-  e.tail<3>() = X_WG.translation() - X_WE.translation();
-  return e;
-}
-
 Vector6 pose_error_rpy(const Isometry& X_WE, const Isometry& X_WG) noexcept {
   Vector6 e;
   e.head<3>() = X_WE.linear() * rpy_of(X_WE.linear().transpose() * X_WG.linear());

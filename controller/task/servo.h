@@ -20,11 +20,8 @@ struct Task {
   Matrix3 R_WG = Matrix3::Identity();     ///< those axes of G; unused where nothing is free
 };
 
-/// Returns e = [log(R_d R^T); p_d - p] in world axes.
-Vector6 pose_error(const Isometry& X_WE, const Isometry& X_WG) noexcept;
-
-/// The same with another e_R: roll, pitch, yaw of R^T R_d, used as a rotation vector in the axes of E and turned into
-/// world axes. The two agree for small angles; large ones turn another way, and jump if the pitch reaches +-pi/2.
+/// pose_error() with another e_R: roll, pitch, yaw of R^T R_d, used as a rotation vector in the axes of E and turned
+/// into world axes. The two agree for small angles; large ones turn another way, and jump if the pitch reaches +-pi/2.
 /// Source: p_servo() of the Robotics Toolbox for Python, which the papers' examples use.
 Vector6 pose_error_rpy(const Isometry& X_WE, const Isometry& X_WG) noexcept;
 

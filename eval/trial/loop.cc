@@ -234,9 +234,8 @@ bool TrialLoop::measure_state() {
   if (goal_moves_ && k_ > 0) goal_ = goal_state(world_, time(k_), goal_index_);
   kinematics_.update(state.base, state.q);
   const Isometry& X_WE = kinematics_.X_WE();
-  const Isometry X_WG = nearest_pose(goal_, X_WE);
-  error_.head<3>() = log_so3(X_WG.linear() * X_WE.linear().transpose());
-  error_.tail<3>() = X_WG.translation() - X_WE.translation();
+  const Isometry X_WG = nearest_pose(goal_.X_WG, goal_.free, X_WE);
+  error_ = pose_error(X_WE, X_WG);
 
   r_.last = state;
   StateRecord& record = r_.states.emplace_back();

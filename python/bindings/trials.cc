@@ -18,7 +18,6 @@
 #include "controller/config/json_node.h"
 #include "controller/config/object_file.h"
 #include "controller/model/kinematics.h"
-#include "controller/task/servo.h"
 #include "eval/trial/stepped_trial.h"
 #include "eval/trial/trace_json.h"
 #include "python/bindings/robot.h"
@@ -204,7 +203,7 @@ class Trials {
       Eigen::Map<Vector6> error(pack_without_items(now, seen));
       slot.kinematics->update(now.base, now.q);
       const Isometry& X_WE = slot.kinematics->X_WE();
-      error = pose_error(X_WE, nearest_pose(now.goal, X_WE));
+      error = pose_error(X_WE, nearest_pose(now.goal.X_WG, now.goal.free, X_WE));
       for (std::size_t o = 0; o < std::min(slots_, now.objects.size()); ++o) {
         if (!now.objects[o].visible) continue;
         double* const to = error.data() + 6 + o * kSlot;

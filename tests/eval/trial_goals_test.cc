@@ -128,12 +128,12 @@ TEST(FreeDirections, TheNearestPoseIsAllowedAndNearest) {
   for (std::uint64_t i = 0; i < 50; ++i) {
     const Isometry X_WE = any_pose(2 * i);
     GoalState goal{any_pose(2 * i + 1), Vector6::Zero()};
-    EXPECT_EQ(nearest_pose(goal, X_WE).matrix(), goal.X_WG.matrix());
+    EXPECT_EQ(nearest_pose(goal.X_WG, goal.free, X_WE).matrix(), goal.X_WG.matrix());
     const Matrix3& R_WG = goal.X_WG.linear();
     const int a = static_cast<int>(i % 3);
 
     goal.free[a] = goal.free[3 + a] = 1.0;
-    const Isometry about = nearest_pose(goal, X_WE);
+    const Isometry about = nearest_pose(goal.X_WG, goal.free, X_WE);
     EXPECT_NEAR((about.linear().col(a) - R_WG.col(a)).norm(), 0.0, 1e-12) << "the axis stays";
     EXPECT_NEAR(about.linear().determinant(), 1.0, 1e-12);
     const double found = angle_between(about.linear(), X_WE.linear());
@@ -147,14 +147,14 @@ TEST(FreeDirections, TheNearestPoseIsAllowedAndNearest) {
 
     goal.free.setZero();
     goal.free[(a + 1) % 3] = goal.free[(a + 2) % 3] = 1.0;
-    const Isometry tilted = nearest_pose(goal, X_WE);
+    const Isometry tilted = nearest_pose(goal.X_WG, goal.free, X_WE);
     EXPECT_NEAR(Eigen::Quaterniond(Matrix3(R_WG.transpose() * tilted.linear())).vec()[a], 0.0, 1e-12) << "no twist";
     const Vector6 e = pose_error(X_WE, tilted);
     EXPECT_NEAR(e.head<3>().cross(X_WE.linear().col(a)).norm(), 0.0, 1e-9) << "E turns about its own axis";
 
     goal.free.head<3>().setOnes();
-    EXPECT_EQ(nearest_pose(goal, X_WE).linear(), X_WE.linear());
-    EXPECT_EQ(nearest_pose(goal, X_WE).translation(), goal.X_WG.translation());
+    EXPECT_EQ(nearest_pose(goal.X_WG, goal.free, X_WE).linear(), X_WE.linear());
+    EXPECT_EQ(nearest_pose(goal.X_WG, goal.free, X_WE).translation(), goal.X_WG.translation());
   }
 }
 

@@ -99,9 +99,7 @@ bool reach(Kinematics& kinematics, const Isometry& goal, Configuration& at, Vect
   constexpr double kDamping = 1e-3;
   for (int i = 0; i < 20; ++i) {
     kinematics.update(at.base, at.q);
-    Vector6 e;
-    e << log_so3(goal.linear() * kinematics.X_WE().linear().transpose()),
-        goal.translation() - kinematics.X_WE().translation();
+    const Vector6 e = pose_error(kinematics.X_WE(), goal);
     if (e.head<3>().norm() < 0.005 && e.tail<3>().norm() < 0.002) return true;
     const Matrix6X& J = kinematics.J_WE_W();
     const Eigen::Matrix<double, 6, 6> A = J * J.transpose() + kDamping * Eigen::Matrix<double, 6, 6>::Identity();

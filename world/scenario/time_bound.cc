@@ -25,8 +25,6 @@ constexpr double kNullSpace = 0.02;  // least share of the slope in the null spa
 constexpr double kNearby = 2.0;      // most by which joints of a try differ from the start [rad]
 constexpr double kReach = 0.9;       // of a base from the goal [m]
 
-double wrapped(double angle) noexcept { return std::remainder(angle, 2.0 * kPi); }
-
 // Least time of a turn by `first` and then by `second` [rad], with a stop in between if they are opposite.
 double turning_time(double first, double second, const RampLimits& limits) noexcept {
   if (first * second >= 0.0) return rest_to_rest(std::abs(first + second), limits);
@@ -143,22 +141,7 @@ class Search {
 
   Vector6 error(const VectorX& x) noexcept {
     kinematics_.update(bases_ > 0 ? Vector3(x.head<3>()) : world_.start.base, x.tail(model_.num_joints()));
-    const Isometry& X_WE = kinematics_.X_WE();
-    Vector6 e;
-    e << log_so3(world_.goal.X_WG.linear() * X_WE.linear().transpose()),
-        world_.goal.X_WG.translation() - X_WE.translation();
-    return e;
-  }
-
-  // Columns: place and heading of the base in W, then the joints.
-  void jacobian(Jacobian& J) const noexcept {
-    J.rightCols(model_.num_joints()) = kinematics_.J_WE_W().rightCols(model_.num_joints());
-    if (bases_ == 0) return;
-    const Vector3 r = kinematics_.X_WE().translation() - kinematics_.X_WB().translation();
-    J.leftCols<3>().setZero();
-    J(3, 0) = J(4, 1) = J(2, 2) = 1.0;
-    J(3, 2) = -r.y();
-    J(4, 2) = r.x();
+    return pose_error(kinematics_.X_WE(), world_.goal.X_WG);
   }
 
   // A joint takes the turn that is nearest to the start, where its limits allow it.
@@ -188,7 +171,11 @@ class Search {
         best_ = {now, {kinematics_.base(), kinematics_.q()}};
       if (turn > kMostTurn) e.head<3>() *= kMostTurn / turn;
       if (way > kMostWay) e.tail<3>() *= kMostWay / way;
-      jacobian(J);
+      if (bases_ > 0) {
+        free_jacobian(kinematics_, J);
+      } else {
+        J = kinematics_.J_WE_W();
+      }
       gradient(x, slope);
       free = metric_;
       // A joint that would leave its range stops at the limit, and the others make up for it.

@@ -1,0 +1,289 @@
+// Plans in narrow places and towards goals close to objects: the work that they take, and what is kept between plans.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller/plan/planner.h"
+#include "tests/controller/plan_scenes.h"
+
+namespace moma::test {
+namespace {
+
+// A shelf in front of a Panda, open to it, with the hand's goal inside, and a plate before it that leaves a slot.
+Scene inside_a_shelf(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed) {
+  Scene scene = make_scene(model, seed, 0);
+  std::mt19937_64 engine(seed);
+  scene.start[3] = 1.4;  // the arm, beside it
+  const Vector3 at(0.6, uniform_in(engine, -0.1, 0.1), uniform_in(engine, 0.45, 0.6));
+  scene.X_WG.linear() = Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3::UnitY()).toRotationMatrix();
+  scene.X_WG.translation() = at;
+  const auto plate = [&](const Vector3& size, const Vector3& from_goal) {
+    scene.shapes.push_back({"plate" + std::to_string(scene.shapes.size()), make_box(size.x(), size.y(), size.z())});
+    scene.states.emplace_back();
+    scene.states.back().X_WO.translation() = at + from_goal;
+  };
+  plate({0.5, 0.6, 0.02}, {0.05, 0.0, -0.17});
+  plate({0.5, 0.6, 0.02}, {0.05, 0.0, 0.17});
+  plate({0.5, 0.02, 0.36}, {0.05, -0.3, 0.0});
+  plate({0.5, 0.02, 0.36}, {0.05, 0.3, 0.0});
+  plate({0.02, 0.6, 0.36}, {0.3, 0.0, 0.0});
+  return scene;
+}
+
+// Of many goal configurations, by trees that go as far as they can: before there were 3 to 19, and 5858 checks.
+TEST(Planner, NarrowPlacesTakeFewChecks) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  ControllerParams params = plan_params(*model);
+  params.plan.roomy = params.plan.clearance;
+  params.plan.checks = 200000;
+  params.plan.runs = 1;
+  Planner planner(model, params);
+  std::vector<long> checks;
+  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+    if (!plan_whole(planner, inside_a_shelf(model, seed), seed)) continue;
+    checks.push_back(planner.counts().checks);
+    EXPECT_GE(planner.counts().goals, 20) << "seed " << seed;
+  }
+  ASSERT_GE(checks.size(), 14u);
+  std::sort(checks.begin(), checks.end());
+  EXPECT_LT(checks[checks.size() / 2], 4500);
+}
+
+// Adds two boxes with these edges, one on either side of the goal.
+void add_on_both_sides(Scene& scene, const std::string& name, const Vector3& edges, const Vector3& offset) {
+  for (const double side : {-1.0, 1.0}) {
+    scene.shapes.push_back({name + (side < 0.0 ? " 1" : " 2"), make_box(edges.x(), edges.y(), edges.z())});
+    scene.states.emplace_back();
+    scene.states.back().X_WO.translation() = scene.X_WG.translation() + side * offset;
+  }
+}
+
+// The goal has the hand close to two plates.
+Scene between_plates(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed) {
+  Scene scene = inside_a_shelf(model, seed);
+  add_on_both_sides(scene, "plate", {0.3, 0.4, 0.01}, {0.0, 0.0, 0.065});
+  return scene;
+}
+
+ControllerParams close_params(const RobotModel& model, int checks) {
+  ControllerParams params = plan_params(model);
+  params.collision.at_goal.enabled = true;
+  params.plan.checks = checks;
+  params.plan.runs = 1;
+  return params;
+}
+
+// Trees of joint steps alone need 10961 checks in the median.
+TEST(Planner, FromBetweenPlatesTheHandMovesStraight) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  Planner planner(model, close_params(*model, 200000));
+  std::vector<long> checks;
+  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+    const Scene scene = between_plates(model, seed);
+    const bool found = plan_whole(planner, scene, seed);
+    EXPECT_TRUE(planner.close_goal()) << "seed " << seed;
+    if (found) checks.push_back(planner.counts().checks);
+  }
+  ASSERT_GE(checks.size(), 14u);
+  std::sort(checks.begin(), checks.end());
+  EXPECT_LT(checks[checks.size() / 2], 6000);
+}
+
+// From between the same plates and two walls, by a base that drives: base and arm also move apart. Where they only move
+// together, three quarters of the plans need up to 13644 checks.
+TEST(Planner, InNarrowPlacesBaseAndArmMoveApart) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  Planner planner(model, close_params(*model, 2000));
+  std::vector<long> checks;
+  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+    Scene scene = between_plates(model, seed);
+    add_on_both_sides(scene, "wall", {0.5, 0.02, 0.36}, {0.0, 0.16, 0.0});
+    scene.start.head<3>() << -0.6, 0.0, 0.0;
+    bool found = plan_whole(planner, scene, seed);
+    EXPECT_TRUE(planner.close_goal()) << "seed " << seed;
+    long sum = planner.counts().checks;
+    for (int k = 0; !found && k < 6; ++k) {
+      planner.begin(scene.start, scene.X_WG, scene.states, seed);
+      long budget = 1L << 40;
+      planner.advance(budget);
+      found = planner.found();
+      sum += planner.counts().checks;
+    }
+    EXPECT_TRUE(found) << "seed " << seed;
+    checks.push_back(sum);
+  }
+  std::sort(checks.begin(), checks.end());
+  EXPECT_LT(checks[11], 12000);
+}
+
+// A ball comes along the hand until that is close to it at its goal.
+void close_in(Planner& planner, Scene& scene) {
+  scene.shapes.push_back({"ball", make_sphere(0.03)});
+  scene.states.emplace_back();
+  for (double away = 0.3; away > 0.0; away -= 0.01) {
+    scene.states.back().X_WO.translation() = scene.X_WG * Vector3(0.0, 0.0, away);
+    planner.set_objects(scene.shapes);
+    planner.begin(scene.start, scene.X_WG, scene.states, 1);
+    if (planner.close_goal()) return;
+  }
+}
+
+// A failed plan keeps what it found when a robot whose joints wind has moved a little.
+TEST(Planner, GoesOnAfterTheStartHasMoved) {
+  const auto model = load_model("configs/robots/ur5.yaml");
+  ControllerParams params = plan_params(*model);
+  params.collision.at_goal.enabled = true;
+  params.plan.checks = 1;
+  Planner planner(model, params);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Scene scene = make_scene(model, seed, 0);
+    close_in(planner, scene);
+    ASSERT_TRUE(planner.close_goal());
+    ASSERT_FALSE(plan_whole(planner, scene, seed));
+    ASSERT_GE(planner.counts().goals, params.plan.ik_enough) << "seed " << seed;
+    const auto again = [&](double turn) {
+      for (int i = 3; i < 9; ++i) scene.start[i] += i % 2 == 0 ? turn : -turn;
+      planner.begin(scene.start, scene.X_WG, scene.states, seed);
+      long budget = 1L << 40;
+      planner.advance(budget);
+      return planner.counts().ik_tries;
+    };
+    EXPECT_EQ(again(0.05), 0) << "seed " << seed;
+    EXPECT_EQ(again(-0.1), 0) << "seed " << seed;
+    EXPECT_GT(again(1.8), 0) << "seed " << seed << ": more than a quarter of a turn";
+    for (const GoalConfiguration& goal : planner.goals())
+      for (int i = 3; i < 9; ++i) EXPECT_LE(std::abs(goal.c[i] - scene.start[i]), kFullTurn);
+  }
+}
+
+// Measurements of a world at rest differ by their noise, however long they are averaged.
+TEST(Planner, GoesOnAmongMeasurementsThatDiffer) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  ControllerParams params = close_params(*model, 1);
+  params.plan.search.same = 0.005;
+  params.plan.search.same_goal = 0.002;
+  Planner planner(model, params);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Scene scene = make_scene(model, seed, 0);
+    close_in(planner, scene);
+    ASSERT_TRUE(planner.close_goal());
+    ASSERT_FALSE(plan_whole(planner, scene, seed));
+    ASSERT_GE(planner.counts().goals, params.plan.ik_enough) << "seed " << seed;
+    const auto tries_after = [&](double object, double goal) {
+      scene.states.back().X_WO.translation().y() += object;
+      scene.X_WG.translation().y() += goal;
+      planner.begin(scene.start, scene.X_WG, scene.states, seed);
+      long budget = 1L << 40;
+      planner.advance(budget);
+      return planner.counts().ik_tries;
+    };
+    const SearchParams& search = params.plan.search;
+    EXPECT_EQ(tries_after(0.9 * search.same, 0.0), 0) << "seed " << seed;
+    EXPECT_EQ(tries_after(0.0, 0.9 * search.same_goal), 0) << "seed " << seed;
+    EXPECT_GT(tries_after(1.1 * search.same, 0.0), 0) << "seed " << seed;
+    EXPECT_GT(tries_after(0.0, 1.1 * search.same_goal), 0) << "seed " << seed;
+  }
+}
+
+// Trees end short of what blocks them. A corner at the least distance goes up to an object for nothing.
+TEST(Planner, CornersKeepAwayFromWhatBlocksATree) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  Kinematics kinematics(model);
+  const auto touching = [&](double back) {
+    ControllerParams params = close_params(*model, 200000);
+    params.plan.shortcuts = 0;
+    params.plan.search.back = back;
+    Planner planner(model, params);
+    int near = 0;
+    for (std::uint64_t seed = 1; seed <= 15; ++seed) {
+      const Scene scene = between_plates(model, seed);
+      if (!plan_whole(planner, scene, seed)) continue;
+      for (const Edge& edge : planner.edges().all().subspan(1)) {
+        kinematics.update(edge.a.head<3>(), edge.a.tail(model->num_joints()));
+        if (object_clearance(*model, kinematics, scene) < planner.path().clearance + 0.005) ++near;
+      }
+    }
+    return near;
+  };
+  const int short_of = touching(0.7), all_the_way = touching(1.0);
+  EXPECT_LT(short_of, all_the_way) << short_of << " corners against " << all_the_way;
+}
+
+// An object is measured where the hand would be, so that nothing holds the goal itself.
+TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  ControllerParams params = close_params(*model, 20000);
+  params.escape.position = 0.01;
+  params.escape.orientation = 0.05;
+  Planner exact(model, params);
+  params.plan.search.off_goal = 0.4;
+  Planner near(model, params);
+  const MotionLimits limits(*model, params);
+  GoalClearance hand(*model);
+  FreeSpace space(model, limits);
+  Kinematics kinematics(model);
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Scene scene = make_scene(model, seed, 0);
+    scene.shapes.push_back({"ball", make_sphere(0.03)});
+    scene.states.emplace_back();
+    space.set_objects(scene.shapes);
+    hand.allocate(1);
+    for (double away = 0.1; away > 0.0; away -= 0.0005) {
+      scene.states.back().X_WO.translation() = scene.X_WG * Vector3(0.0, 0.0, away);
+      space.set_states(scene.states);
+      if (space.least_at_goal(hand, scene.start, scene.X_WG, 0.1) < 0.001) break;
+    }
+    const auto finds = [&](Planner& planner) {
+      bool any = plan_whole(planner, scene, seed);
+      for (int k = 0; !any && k < 3; ++k) {
+        planner.begin(scene.start, scene.X_WG, scene.states, seed);
+        long budget = 1L << 40;
+        planner.advance(budget);
+        any = planner.found();
+      }
+      return any;
+    };
+    EXPECT_FALSE(finds(exact)) << "seed " << seed;
+    if (!finds(near)) continue;
+    ++found;
+    WholeConfiguration c;
+    near.path().at(near.path().duration, c);
+    kinematics.update(c.head<3>(), c.tail(model->num_joints()));
+    EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 0.4 * 0.01 + 1e-3);
+    EXPECT_GT(object_clearance(*model, kinematics, scene), 0.0015);
+  }
+  EXPECT_GE(found, 4);
+}
+
+// What a path needs of time is worth more than a quicker path, from some moment on.
+TEST(Planner, InAHurryTheBestSoFarCounts) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  Planner planner(model, plan_params(*model));
+  int hurried = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Scene scene = inside_a_shelf(model, seed);
+    if (!plan_whole(planner, scene, seed)) continue;
+    const PlanCounts whole = planner.counts();
+    planner.set_objects(scene.shapes);
+    planner.begin(scene.start, scene.X_WG, scene.states, seed);
+    long budget = 0;
+    do {
+      planner.hurry();
+      budget = 50;
+    } while (planner.advance(budget));
+    ASSERT_TRUE(planner.found()) << "seed " << seed;
+    EXPECT_LE(planner.counts().checks, whole.checks);
+    hurried += planner.counts().runs < whole.runs ? 1 : 0;
+    Kinematics kinematics(model);
+    WholeConfiguration c;
+    planner.path().at(planner.path().duration, c);
+    kinematics.update(c.head<3>(), c.tail(model->num_joints()));
+    EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 2e-3);
+  }
+  EXPECT_GE(hurried, 3);
+}
+
+}  // namespace
+}  // namespace moma::test
