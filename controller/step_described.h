@@ -9,8 +9,8 @@
 namespace moma {
 
 // The description of what crosses the border of a controller (describe/describe.h). Processes, shared libraries, Python
-// and case files have it from here: a sensed quantity is its member in step.h, its line here, and for plugins in C its
-// member in plugin/moma_plugin.h. A member without a line does not compile.
+// and case files have it from here: a sensed quantity is its member in step.h and its line here. A member without a
+// line does not compile.
 
 constexpr void describe(auto& v, Of<ObjectCovariance>) {
   using T = ObjectCovariance;

@@ -13,7 +13,8 @@
 // Conversions of both sides of the C interface.
 namespace moma::plugin {
 
-// The structs of C give names to the numbers that descriptions have (describe/numbers.h).
+// The structs of C give names to the numbers that descriptions have (describe/numbers.h). After a change of what is
+// sensed `MOMA_UPDATE_DOCS=1 ctest -R BorderDocumentation` (controller_test) writes them.
 static_assert(offsetof(moma_observation, q) == sizeof(double) * fixed_numbers<Observation>());
 static_assert(sizeof(moma_object_state) == sizeof(double) * fixed_numbers<ObjectState>());
 static_assert(offsetof(moma_step_result, solve_seconds) - offsetof(moma_step_result, status) ==

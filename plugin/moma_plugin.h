@@ -32,7 +32,12 @@ extern "C" {
 #define MOMA_PLUGIN_EXPORT __attribute__((visibility("default")))
 #endif
 
-enum moma_base_type { MOMA_BASE_FIXED = 0, MOMA_BASE_DIFFERENTIAL = 1, MOMA_BASE_OMNIDIRECTIONAL = 2 };
+enum moma_base_type {
+  MOMA_BASE_FIXED = 0,
+  MOMA_BASE_DIFFERENTIAL = 1,
+  MOMA_BASE_OMNIDIRECTIONAL = 2,
+  MOMA_BASE_TYPES = 3 /**< their number */
+};
 
 /** What a plugin is told once, before any motion. */
 typedef struct moma_plugin_setup {
@@ -70,28 +75,37 @@ typedef struct moma_object_shape {
 
 /*
  * Observations and answers are 64-bit floating-point numbers: truths are 1 or 0, words the values of an
- * enumeration. They stand in the order in which processes get them (docs/reference/process-protocol.md).
+ * enumeration. They stand in the order in which processes get them (docs/reference/process-protocol.md). What is sensed
+ * is written here from its description, controller/step_described.h.
  */
 
 typedef struct moma_object_state {
-  double position[3];
-  double rotation[9];
-  double twist[6];
-  double visible;                /**< 0: not sensed now, the rest means nothing */
-  double has_covariance;         /**< 0: no tracker states any, the two matrices mean nothing */
-  double position_covariance[9]; /**< of the origin's position [m^2] */
-  double velocity_covariance[9]; /**< of its linear velocity [(m/s)^2] */
+  /* clang-format off */
+/* numbers of an object */
+  double position[3]; /**< [m] */
+  double rotation[9]; /**< 3 x 3, by rows */
+  double twist[6]; /**< [rad/s, m/s] [angular; linear], at the object's origin */
+  double visible; /**< 1 or 0; where it is not, the rest means nothing */
+  double has_covariance; /**< 0: there is none, its numbers mean nothing */
+  double position_covariance[9]; /**< [m^2] covariance of the origin's position */
+  double velocity_covariance[9]; /**< [(m/s)^2] covariance of the linear velocity */
+/* end of numbers of an object */
+  /* clang-format on */
 } moma_object_state;
 
 /** What a controller may know at one step: sensed, never the simulator's truth. */
 typedef struct moma_observation {
-  double time;    /**< since the start of the motion */
-  double base[3]; /**< x, y, phi */
-  double goal_position[3];
-  double goal_rotation[9];
-  double goal_twist[6]; /**< the goal's own, at its point; 0 for a goal that stands still */
-  double goal_stop;     /**< 0: the hand passes through the goal, and another one follows */
-  double goal_free[6];  /**< 1: rotation about, or place along, this axis of the goal is free; rx ry rz x y z */
+  /* clang-format off */
+/* numbers of an observation */
+  double time; /**< [s] since the start of the motion; where a period was missed, later by two */
+  double base[3]; /**< [m, m, rad] x, y, phi */
+  double goal_position[3]; /**< [m] */
+  double goal_rotation[9]; /**< 3 x 3, by rows */
+  double goal_twist[6]; /**< [rad/s, m/s] [angular; linear], the goal's own; 0 where it stands still */
+  double goal_stop; /**< 1 or 0; where it is not, the hand passes through on its way on */
+  double goal_free[6]; /**< 1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z */
+/* end of numbers of an observation */
+  /* clang-format on */
   const double* q;
   const double* qdot;               /**< measured, num_velocities */
   const moma_object_state* objects; /**< in the order of moma_plugin_start() */

@@ -12,6 +12,7 @@
 #include "eval/cli/table.h"
 #include "eval/run/compare_points.h"
 #include "eval/stats/comparison.h"
+#include "eval/store/columns.h"
 #include "eval/store/query.h"
 #include "reports/render/own_metrics.h"
 
@@ -31,15 +32,14 @@ struct CompareOptions {
   bool json = false;
 };
 
-constexpr const char* kMetrics[] = {"time_to_goal_s", "manip_mean",  "clearance_min_m", "command_change_mean",
-                                    "path_ee_m",      "path_base_m", "jerk_ee_rms"};
-
 /// Metrics to compare beside the outcome: columns of a trial and the suites' own metrics.
 std::vector<run::ComparedMetric> metrics_of(const CompareOptions& options) {
   std::vector<run::ComparedMetric> metrics;
   std::set<std::string> taken;
-  for (const char* name : kMetrics) {
-    metrics.push_back({name, fmt::format("ta.{}", name), fmt::format("tb.{}", name)});
+  for (const store::TrialColumn& column : store::shown_columns()) {
+    if (!column.about.shown.compared) continue;
+    const std::string name(column.name);
+    metrics.push_back({name, "ta." + name, "tb." + name});
     taken.insert(name);
   }
   for (const reports::OwnMetric& own : reports::own_metrics(options.file, taken))

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "eval/store/columns.h"
 #include "reports/render/own_metrics.h"
 
 namespace moma::cli {
@@ -17,20 +18,28 @@ using store::Cell;
 using store::QueryResult;
 using Row = std::vector<Cell>;
 
-// Rates and means in the form for a person; a missing value stays empty. They replace the columns from kRates on.
-constexpr const char* kForPerson = R"(,
+// Rates and errors in the form for a person; a missing value stays empty.
+constexpr const char* kRatesForPerson = R"(,
   printf('%5.1f  [%5.1f, %5.1f]', 100 * success_rate, 100 * success_low, 100 * success_high)
     AS "success % [95 %]",
   iif(success_without_errors IS NULL, NULL, printf('%5.1f', 100 * success_without_errors)) AS "without errors %",
   printf('%4.1f  [%4.1f, %4.1f]', 100 * collision_rate, 100 * collision_low, 100 * collision_high)
-    AS "collision % [95 %]",
-  iif(time_to_goal_median_s IS NULL, NULL, printf('%.2f', time_to_goal_median_s)) AS "median time to goal s",
-  iif(times_bound IS NULL, NULL, printf('%.2f', times_bound)) AS "mean times bound",
-  iif(manip_mean IS NULL, NULL, printf('%.4f', manip_mean)) AS "mean manip.",
-  iif(clearance_min_m IS NULL, NULL, printf('%.3f', clearance_min_m)) AS "mean least clearance m",
-  iif(command_change_mean IS NULL, NULL, printf('%.3f', command_change_mean)) AS "mean change")";
-constexpr std::size_t kForPersonColumns = 8;
+    AS "collision % [95 %]")";
 
+/// Further columns in the form for a person. They replace the columns from kRates on.
+std::string for_person_sql() {
+  std::string sql = kRatesForPerson;
+  for (const store::TrialColumn& column : store::shown_columns()) {
+    const Shown& shown = column.about.shown;
+    if (shown.summary.empty()) continue;
+    sql += fmt::format(", iif({0} IS NULL, NULL, printf('%.{1}f', {0})) AS \"{2}\"",
+                       shown.median.empty() ? column.name : shown.median,
+                       column.about.decimals < 0 ? column.about.significant : column.about.decimals, shown.summary);
+  }
+  return sql;
+}
+
+constexpr const char* kFirstForPerson = "success % [95 %]";
 constexpr const char* kWithoutErrors = "without errors %";
 
 constexpr std::size_t kNames = 6;  // suite, robot, controller, point, family, mode: what v_summary begins with
@@ -70,8 +79,8 @@ void keep_columns(QueryResult& table, const std::vector<std::size_t>& kept) {
   for (Row& row : table.rows) chosen(row);
 }
 
-/// Formats an answer for a person: `own` columns begin at this index.
-std::vector<std::size_t> columns_for_person(QueryResult& table, std::size_t moma, std::size_t own) {
+/// Formats an answer for a person, in which the suites' own metrics begin at column `own`.
+std::vector<std::size_t> columns_for_person(QueryResult& table, std::size_t own) {
   const auto any = [&](const auto& holds) { return std::any_of(table.rows.begin(), table.rows.end(), holds); };
   const bool errors = any([&](const Row& row) { return store::number_in(row[kErrors]).value_or(0.0) > 0.0; });
   std::vector<std::size_t> kept;
@@ -80,7 +89,8 @@ std::vector<std::size_t> columns_for_person(QueryResult& table, std::size_t moma
     if (column == kErrors && !errors) continue;
     kept.push_back(column);
   }
-  for (std::size_t column = moma; column < own; ++column)
+  const auto first = std::ranges::find(table.columns, kFirstForPerson);
+  for (auto column = static_cast<std::size_t>(first - table.columns.begin()); column < own; ++column)
     if (errors || table.columns[column] != kWithoutErrors) kept.push_back(column);
   for (std::size_t column = own; column < table.columns.size(); ++column) {
     if (!any([&](const Row& row) { return store::number_in(row[column]).has_value(); })) continue;  // of another suite
@@ -98,11 +108,10 @@ QueryResult summary_table(const std::filesystem::path& file, const std::string& 
   // All at once, since a run may add to the store meanwhile.
   QueryResult table = store::query(
       file, fmt::format("SELECT *{} FROM v_summary{} ORDER BY suite, robot, family, mode, controller, point",
-                        for_person ? kForPerson : "", where));
+                        for_person ? for_person_sql() : "", where));
   const std::size_t own = table.columns.size();
-  const std::size_t moma = own - (for_person ? kForPersonColumns : 0);
   add_own(file, table);
-  if (for_person) keep_columns(table, columns_for_person(table, moma, own));
+  if (for_person) keep_columns(table, columns_for_person(table, own));
   return table;
 }
 

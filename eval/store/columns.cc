@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
@@ -36,6 +37,16 @@ const std::vector<TrialColumn>& trial_columns() {
 
 const std::vector<TimingColumn>& timing_columns() {
   static const std::vector<TimingColumn> kColumns = collect<TrialRow::Timing, TimingColumn>();
+  return kColumns;
+}
+
+const std::vector<TrialColumn>& shown_columns() {
+  static const std::vector<TrialColumn> kColumns = [] {
+    std::vector<TrialColumn> shown = trial_columns();
+    std::erase_if(shown, [](const TrialColumn& column) { return column.about.shown.place == 0; });
+    std::ranges::sort(shown, {}, [](const TrialColumn& column) { return column.about.shown.place; });
+    return shown;
+  }();
   return kColumns;
 }
 

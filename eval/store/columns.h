@@ -24,6 +24,8 @@ struct TimingColumn {
 /// All deterministic columns except `outcome`, in the order of the description of TrialRow (eval/trial/row.h).
 const std::vector<TrialColumn>& trial_columns();
 const std::vector<TimingColumn>& timing_columns();
+/// The columns of `trial` that are shown beside the outcome, by their place (Shown).
+const std::vector<TrialColumn>& shown_columns();
 
 /// Returns a number as the store keeps it: NaN for infinities, 0 for -0.
 double stored(double value) noexcept;

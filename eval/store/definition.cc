@@ -46,7 +46,7 @@ std::string column_lines(std::string_view table, bool ends_table) {
 std::string of_summary(const std::function<std::string(std::string_view)>& text) {
   std::string list;
   for (const TrialColumn& column : trial_columns())
-    if (column.about.summary) list += (list.empty() ? "" : ", ") + text(column.name);
+    if (column.about.averaged()) list += (list.empty() ? "" : ", ") + text(column.name);
   return list;
 }
 
@@ -111,10 +111,9 @@ class MetricList {
       metric["significant"] = about.significant;
     }
     if (!about.head.empty()) metric["head"] = about.head;
-    if (about.summary) metric["summary"] = {{"column", name}, {"name", mean_of(about.label)}};
-    // v_summary has the median of the successes.
-    if (name == "time_to_goal_s")
-      metric["summary"] = {{"column", "time_to_goal_median_s"}, {"name", fmt::format("median {}", about.label)}};
+    if (about.averaged()) metric["summary"] = {{"column", name}, {"name", mean_of(about.label)}};
+    if (!about.shown.median.empty())
+      metric["summary"] = {{"column", about.shown.median}, {"name", fmt::format("median {}", about.label)}};
     metric["text"] = about.text;
     list.push_back(std::move(metric));
   }

@@ -68,7 +68,7 @@ std::vector<std::string> all_additions(SQLite::Database& db) {
   const std::set<std::string> there = stored_columns(db, "point_trial");
   bool copied = false;
   for (const TrialColumn& column : trial_columns()) {
-    if (!column.about.summary || there.count(std::string(column.name)) != 0) continue;
+    if (!column.about.averaged() || there.count(std::string(column.name)) != 0) continue;
     sql.push_back(fmt::format("ALTER TABLE point_trial ADD COLUMN {} REAL", column.name));
     sql.push_back(fmt::format(
         "UPDATE point_trial SET {0} = (SELECT t.{0} FROM trial AS t WHERE t.key = point_trial.key)", column.name));

@@ -20,6 +20,15 @@ enum class Earlier {
   kUnknown,  ///< NULL: such a row agrees with any newer one, and the store's hash does not change
 };
 
+/// The faces that show a metric beside the outcome, in the order of `place`.
+struct Shown {
+  int place = 0;                  ///< distinct, from 1; 0: nowhere
+  std::string_view summary = "";  ///< head in the summary of a run; "": not there
+  std::string_view median = "";   ///< column of v_summary with its median, which the summary shows; "": its mean
+  bool compared = false;          ///< by `moma compare`
+  bool judged = false;            ///< by the verdict of a search
+};
+
 /// Description of a record's column in the store. Numbers of a row are metrics, and everything that shows them uses
 /// this description: tables and views of the store, its checks, the wire between processes, the report page, store.md.
 struct Column {
@@ -31,15 +40,17 @@ struct Column {
   std::string_view null_when = "";  ///< where healthy trials have no value: "unless the trial succeeds"
   bool always = false;              ///< of a number (not a count): never NULL
   std::string_view head = "";       ///< over its column in the page's table of trials; "" has none there
-  bool summary = false;             ///< copied into point_trial, so that v_summary stays quick; its mean is shown there
-  bool in_view = true;              ///< a column of v_trials
+  Shown shown = {};
+  bool in_view = true;  ///< a column of v_trials
   Earlier earlier = Earlier::kNone;
   std::string_view text = "";  ///< one line for the reference, without a full stop
 
   constexpr Column with_decimals(int digits) const { return set(&Column::decimals, digits); }
   constexpr Column absent(std::string_view when) const { return set(&Column::null_when, when); }
   constexpr Column in_table(std::string_view title) const { return set(&Column::head, title); }
-  constexpr Column in_summary() const { return set(&Column::summary, true); }
+  constexpr Column shown_as(Shown where) const { return set(&Column::shown, where); }
+  /// Whether point_trial has a copy of it, so that v_summary, which shows its mean, stays quick.
+  constexpr bool averaged() const { return !shown.summary.empty() && shown.median.empty(); }
   constexpr Column since(Earlier value) const { return set(&Column::earlier, value); }
 
   /// For visitors that need only unit and text.

@@ -101,20 +101,29 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
            metric("time to goal", "s", kLow, "start of the dwell at the goal")
                .with_decimals(2)
                .absent("unless the trial succeeds")
-               .in_table("To goal"));
+               .in_table("To goal")
+               .shown_as({.place = 1,
+                          .summary = "median time to goal s",
+                          .median = "time_to_goal_median_s",
+                          .compared = true,
+                          .judged = true}));
   v.member("position_error_m", &R::position_error_m,
            metric("final position error", "m", kLow, "distance to the goal at the end").in_table("Error"));
   v.member("orientation_error_rad", &R::orientation_error_rad,
            metric("final orientation error", "rad", kLow, "angle to the goal at the end").in_table("Error"));
   v.member("path_ee_m", &R::path_ee_m,
-           metric("path of the end effector", "m", kLow, "length of the end effector's path").with_decimals(2));
+           metric("path of the end effector", "m", kLow, "length of the end effector's path")
+               .with_decimals(2)
+               .shown_as({.place = 6, .compared = true}));
   v.member("path_base_m", &R::path_base_m,
-           metric("path of the base", "m", kLow, "length of the base's path in the plane").with_decimals(2));
+           metric("path of the base", "m", kLow, "length of the base's path in the plane")
+               .with_decimals(2)
+               .shown_as({.place = 7, .compared = true}));
   v.member("manip_mean", &R::manip_mean,
            metric("manipulability, mean", "", kHigh, "translational manipulability, mean over the trial")
                .with_decimals(4)
                .in_table("Mean manip.")
-               .in_summary());
+               .shown_as({.place = 3, .summary = "mean manip.", .compared = true, .judged = true}));
   v.member("manip_min", &R::manip_min, metric("manipulability, least", "", kHigh, "least value").with_decimals(4));
   v.member("manip_final", &R::manip_final,
            metric("manipulability at the end", "", kHigh, "value at the end").with_decimals(4));
@@ -129,7 +138,7 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
            metric("least clearance", "m", kHigh, "least distance to an object")
                .absent("in a world without objects")
                .in_table("Clearance")
-               .in_summary());
+               .shown_as({.place = 4, .summary = "mean least clearance m", .compared = true}));
   v.member("clearance_self_min_m", &R::clearance_self_min_m,
            metric("least clearance to itself", "m", kHigh, "least distance of the robot to itself"));
   v.member("limit_margin_min", &R::limit_margin_min,
@@ -148,13 +157,14 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                   .null_when = "unless the trial has a collision",
                   .text = "depth of the worst contact"});
   v.member("jerk_ee_rms", &R::jerk_ee_rms,
-           metric("jerk of the end effector, RMS", "m/s³", kLow, "smoothness of the end effector's motion"));
+           metric("jerk of the end effector, RMS", "m/s³", kLow, "smoothness of the end effector's motion")
+               .shown_as({.place = 8, .compared = true}));
   v.member("jerk_joint_rms", &R::jerk_joint_rms,
            metric("jerk of the joints, RMS", "rad/s³", kLow, "smoothness of the joints' motion"));
   v.member("command_change_mean", &R::command_change_mean,
            metric("command change, mean", "", kLow, "mean over steps of the largest |change| / limit")
                .in_table("Change")
-               .in_summary());
+               .shown_as({.place = 5, .summary = "mean change", .compared = true, .judged = true}));
   v.member("time_bound_s", &R::time_bound_s,
            metric("time bound", "s", kNeither,
                   "least time found from rest to rest at the goal for the robot alone, without objects and controller")
@@ -167,7 +177,7 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
                .absent("unless the trial succeeds and has a time bound")
                .since(kUnknown)
                .in_table("x bound")
-               .in_summary());
+               .shown_as({.place = 2, .summary = "mean times bound"}));
   v.member("acceleration_max", &R::acceleration_max,
            metric("acceleration of the joints, greatest", "rad/s²", kLow,
                   "greatest change of a joint's command over the control period")

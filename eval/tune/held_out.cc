@@ -8,6 +8,7 @@
 #include <map>
 
 #include "eval/stats/comparison.h"
+#include "eval/store/columns.h"
 #include "eval/suite/resolve.h"
 #include "eval/suite/sweep.h"
 
@@ -109,9 +110,10 @@ Compared compare(const Tuning& tuning, const std::vector<Pair>& pairs, const std
   // The time to the goal is NULL unless the trial succeeds, so that only worlds with two successes are compared.
   std::vector<stats::PairedValues> values{{"objective", {}, {}}};
   std::vector<Metric> metrics;
-  for (const char* name : {"time_to_goal_s", "manip_mean", "command_change_mean"}) {
-    metrics.push_back(Metric::find(name));
-    values.push_back({name, {}, {}});
+  for (const store::TrialColumn& column : store::shown_columns()) {
+    if (!column.about.shown.judged) continue;
+    metrics.push_back(Metric::find(column.name));
+    values.push_back({std::string(column.name), {}, {}});
   }
   for (const Pair& pair : pairs) {
     endings.emplace_back(ending_of(*pair.theirs), ending_of(*pair.found));
@@ -146,8 +148,9 @@ store::TuneComparisonRecord record_of(const Compared& of, const stats::PairedRat
 }
 
 store::TuneComparisonRecord record_of(const Compared& of, const stats::PairedMean& m) {
+  const auto is_high = [&](const store::TrialColumn& c) { return c.name == m.name && c.about.better == Better::kHigh; };
   return record_of(of, m.name, m.n, {m.b, m.of_b, false}, {m.a, m.of_a, false}, {m.difference, m.interval, false},
-                   kAbsent, verdict_of(m.shown(), m.name == "manip_mean"));
+                   kAbsent, verdict_of(m.shown(), std::ranges::any_of(store::shown_columns(), is_high)));
 }
 
 std::vector<std::string> judge_constraints(const Tuning& tuning, const std::vector<const TrialRow*>& rows) {

@@ -25,7 +25,8 @@ namespace {
 
 static_assert(static_cast<int>(BaseType::kFixed) == MOMA_BASE_FIXED &&
               static_cast<int>(BaseType::kDifferential) == MOMA_BASE_DIFFERENTIAL &&
-              static_cast<int>(BaseType::kOmnidirectional) == MOMA_BASE_OMNIDIRECTIONAL);
+              static_cast<int>(BaseType::kOmnidirectional) == MOMA_BASE_OMNIDIRECTIONAL &&
+              words(Of<BaseType>{}).size() == MOMA_BASE_TYPES);
 static_assert(static_cast<int>(ShapeKind::kSphere) == MOMA_SPHERE && static_cast<int>(ShapeKind::kBox) == MOMA_BOX &&
               static_cast<int>(ShapeKind::kCylinder) == MOMA_CYLINDER &&
               static_cast<int>(ShapeKind::kCapsule) == MOMA_CAPSULE &&

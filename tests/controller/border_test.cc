@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <regex>
 #include <vector>
 
 #include "controller/config/json_node.h"
@@ -145,6 +149,55 @@ TEST(BorderDocumentation, NamesTheNumbersThatThereAre) {
   const std::filesystem::path page = std::filesystem::path(MOMA_SOURCE_DIR) / "docs/reference/process-protocol.md";
   test::expect_generated(page, "numbers of a step", head + table(config::layout_of<Observation>(kSymbols)));
   test::expect_generated(page, "numbers of details", head + table(config::layout_of<StepResult, Details>(kSymbols)));
+}
+
+/// Adds the members of a struct of C with these numbers, by their place.
+void add_members(const Json& members, const std::string& prefix, std::size_t start,
+                 std::map<std::size_t, std::string>& lines) {
+  for (const Json& member : members) {
+    const std::string name = prefix + member["name"].get<std::string>();
+    const std::size_t at = start + member["at"].get<std::size_t>();
+    if (member.contains("given"))
+      lines[start + member["given"].get<std::size_t>()] =
+          "  double has_" + name.substr(name.rfind('_') + 1) + "; /**< 0: there is none, its numbers mean nothing */\n";
+    if (member.contains("members") && !member.contains("list")) add_members(member["members"], name + "_", at, lines);
+    const auto count = member["count"].get<std::size_t>();
+    if (member.contains("members") || count >= kSymbols.joints) continue;  // lists are pointers
+    std::string text = "  double " + name + (count > 1 ? "[" + std::to_string(count) + "]" : "") + ";";
+    const std::string unit = member.contains("unit") ? " [" + member["unit"].get<std::string>() + "]" : "";
+    std::string about = unit + (member.contains("truth") ? " 1 or 0;" : "");
+    if (member.contains("text")) about += " " + member["text"].get<std::string>();
+    lines[at] = text + (about.empty() ? "" : " /**<" + about + " */") + "\n";
+  }
+}
+
+std::string members_of_c(const Json& members) {
+  std::map<std::size_t, std::string> lines;
+  add_members(members, "", 0, lines);
+  std::string text;
+  for (const auto& [at, line] : lines) text += line;
+  return text;
+}
+
+// A layout that changes is another version of the interface.
+TEST(BorderDocumentation, StructsOfCNameTheNumbersThatThereAre) {
+  const std::filesystem::path header = std::filesystem::path(MOMA_SOURCE_DIR) / "plugin/moma_plugin.h";
+  const auto read = [&] {
+    std::ifstream in(header, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const std::string before = read();
+  const Json layout = config::layout_of<Observation>(kSymbols);
+  test::expect_generated(header, "numbers of an object", members_of_c(layout.back()["members"]));
+  test::expect_generated(header, "numbers of an observation", members_of_c(layout));
+  std::string now = read();
+  const std::regex comment(" /\\*\\*<.*\\*/");
+  if (std::regex_replace(now, comment, "") == std::regex_replace(before, comment, "")) return;
+  const std::string define = "#define MOMA_PLUGIN_ABI ";
+  const std::size_t at = now.find(define) + define.size();
+  const std::size_t digits = now.find('\n', at) - at;
+  now.replace(at, digits, std::to_string(std::stoi(now.substr(at, digits)) + 1));
+  std::ofstream(header, std::ios::binary) << now;
 }
 
 // A layout says where each member stands and what it is unless told otherwise.

@@ -42,6 +42,17 @@ void forget(const fs::path& file, const std::vector<std::string>& trial, const s
   db.exec("CREATE VIEW v_metrics AS SELECT 1 AS n");
 }
 
+// The places of metrics in comparisons and summaries leave no doubt about their order.
+TEST(StoreColumns, EachShownMetricHasItsPlace) {
+  int place = 0;
+  for (const store::TrialColumn& column : store::shown_columns()) EXPECT_EQ(column.about.shown.place, ++place);
+  EXPECT_GT(place, 0);
+  for (const store::TrialColumn& column : store::trial_columns()) {
+    const Shown& shown = column.about.shown;
+    if (shown.compared || shown.judged || !shown.summary.empty()) EXPECT_GT(shown.place, 0) << column.name;
+  }
+}
+
 TEST(StoreColumns, ANewMetricComesToAStoreByItself) {
   const TemporaryFolder folder;
   const fs::path old = folder / "old.db";

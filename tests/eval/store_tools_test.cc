@@ -368,7 +368,7 @@ TEST(Migration, AStoreOfAnOlderVersionBecomesWhatThisProgramWrites) {
       if (column.about.earlier == Earlier::kNone || (version >= 3 && column.about.earlier == Earlier::kZero)) continue;
       const bool zero =
           column.about.earlier == Earlier::kZero && !std::holds_alternative<double TrialRow::*>(column.member);
-      for (const char* table : {"trial", column.about.summary ? "point_trial" : "trial"})
+      for (const char* table : {"trial", column.about.averaged() ? "point_trial" : "trial"})
         b.exec(fmt::format("UPDATE {} SET {} = {}", table, column.name, zero ? "0" : "NULL"));
     }
     for (const store::TimingColumn& column : store::timing_columns())

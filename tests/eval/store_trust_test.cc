@@ -80,7 +80,7 @@ TEST_F(CliTrust, VerifyComparesEveryCopyHashSampleAndMetric) {
       {"UPDATE trial SET steps = steps + 1" + one, "steps", "1"},
   };
   for (const store::TrialColumn& column : store::trial_columns())
-    if (column.about.summary)
+    if (column.about.averaged())
       all.push_back({fmt::format("UPDATE point_trial SET {0} = coalesce({0}, 0) + 1{1}", column.name, one),
                      fmt::format("differs in: {}", column.name)});
   for (const Tampering& tampering : all) {

@@ -10,14 +10,16 @@
 
 namespace moma::test {
 
-/// A page of docs/ between the lines "<!-- NAME -->" and "<!-- end of NAME -->" is made by the program: this expects it
-/// to be `text`. With MOMA_UPDATE_DOCS=1 the page is written instead.
+/// The part of a page of docs/ between the lines "<!-- NAME -->" and "<!-- end of NAME -->" is made by the program (of
+/// a header: "/* NAME */"). This expects it to be `text`. With MOMA_UPDATE_DOCS=1 the file is written instead.
 inline void expect_generated(const std::filesystem::path& page, const std::string& name, const std::string& text) {
   std::ifstream in(page, std::ios::binary);
   ASSERT_TRUE(in) << page;
   std::string all{std::istreambuf_iterator<char>(in), {}};
-  const std::string open = "<!-- " + name + " -->\n";
-  const std::string close = "<!-- end of " + name + " -->";
+  const bool code = page.extension() == ".h";
+  const auto mark = [&](const std::string& words) { return code ? "/* " + words + " */" : "<!-- " + words + " -->"; };
+  const std::string open = mark(name) + "\n";
+  const std::string close = mark("end of " + name);
   const std::size_t begin = all.find(open);
   const std::size_t end = all.find(close);
   ASSERT_TRUE(begin != std::string::npos && end != std::string::npos && begin < end)

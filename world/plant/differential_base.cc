@@ -156,8 +156,8 @@ class DifferentialBase final : public OdeBase {
   std::array<Wheel, 2> wheel_;
 };
 
-std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
-                              double friction) {
+std::unique_ptr<OdeBase> make_differential(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
+                                           double friction) {
   if (!model.base.wheels)
     throw std::runtime_error(fmt::format(
         "robot {}: base.wheels is missing; dynamic simulation of a differential base drives its wheels", model.name));
@@ -166,6 +166,6 @@ std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& a
 
 }  // namespace
 
-const OdeBaseKind kDifferentialBase{make, mass_of_wheels};
+OdeBaseKind differential_base() { return {make_differential, mass_of_wheels}; }
 
 }  // namespace moma

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <memory>
 #include <stdexcept>
 
@@ -117,25 +116,15 @@ std::vector<Vector2> OdeSupport::corners(const RobotModel& model, double radius,
   return points;
 }
 
-namespace {
-
-// In the order of BaseType; null for a fixed base.
-constexpr const OdeBaseKind* kKinds[] = {nullptr, &kDifferentialBase, &kOmnidirectionalBase};
-static_assert(std::size(kKinds) == words(Of<BaseType>{}).size());
-
-const OdeBaseKind* drive_of(const RobotModel& model) { return kKinds[static_cast<std::size_t>(model.base.type)]; }
-
-}  // namespace
-
 double OdeBase::own_mass(const RobotModel& model) {
-  const OdeBaseKind* kind = drive_of(model);
-  return kind != nullptr ? kind->own_mass(model) : 0.0;
+  const auto own_mass = OdeBaseKind::all()[static_cast<std::size_t>(model.base.type)].own_mass;
+  return own_mass != nullptr ? own_mass(model) : 0.0;
 }
 
 std::unique_ptr<OdeBase> OdeBase::make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
                                        double friction) {
-  const OdeBaseKind* kind = drive_of(model);
-  return kind != nullptr ? kind->make(world, model, arm, base, friction) : nullptr;
+  const auto make = OdeBaseKind::all()[static_cast<std::size_t>(model.base.type)].make;
+  return make != nullptr ? make(world, model, arm, base, friction) : nullptr;
 }
 
 }  // namespace moma

@@ -3,6 +3,7 @@
 #include <ode/ode.h>
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "controller/model/robot_model.h"
@@ -16,7 +17,7 @@ namespace moma {
 inline constexpr double kContactLayer = 1e-4;
 inline constexpr double kStartDrop = 0.5 * kContactLayer;
 
-/// Drive and support of a mobile base. Each kind is a file, NAME_base.cc, and its entry in ode_base.cc.
+/// Drive and support of a mobile base. Each kind is a file, NAME_base.cc, and its name in world/CMakeLists.txt.
 class OdeBase {
  public:
   virtual ~OdeBase() = default;
@@ -44,15 +45,16 @@ class OdeBase {
   virtual bool healthy(double limit) const = 0;
 };
 
-/// The drive of one kind of base: its two functions are those of OdeBase.
+/// The drive of one kind of base: its two functions are those of OdeBase, null for a fixed base. NAME_base.cc defines
+/// `OdeBaseKind NAME_base()`.
 struct OdeBaseKind {
   std::unique_ptr<OdeBase> (*make)(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3& base,
-                                   double friction);
-  double (*own_mass)(const RobotModel& model);
-};
+                                   double friction) = nullptr;
+  double (*own_mass)(const RobotModel& model) = nullptr;
 
-extern const OdeBaseKind kDifferentialBase;
-extern const OdeBaseKind kOmnidirectionalBase;
+  /// All kinds in the order of BaseType, which CMake makes from the list in world/CMakeLists.txt.
+  static std::span<const OdeBaseKind> all();
+};
 
 /// Returns ODE's ERP, the share of a constraint's error that a step of h seconds removes: errors decay with a time
 /// constant of 9 ms for any step (0.2 at 2 ms, 0.67 at 10 ms).

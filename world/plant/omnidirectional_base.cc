@@ -125,12 +125,13 @@ class OmnidirectionalBase final : public OdeBase {
   double turn_ = 0.0;
 };
 
-std::unique_ptr<OdeBase> make(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3&, double friction) {
+std::unique_ptr<OdeBase> make_omnidirectional(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3&,
+                                              double friction) {
   return std::make_unique<OmnidirectionalBase>(world, model, arm, friction);
 }
 
 }  // namespace
 
-const OdeBaseKind kOmnidirectionalBase{make, [](const RobotModel&) { return 0.0; }};
+OdeBaseKind omnidirectional_base() { return {.make = make_omnidirectional}; }
 
 }  // namespace moma
