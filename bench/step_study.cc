@@ -9,10 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <ctime>
 #include <map>
 #include <string>
-#include <vector>
 
 #include "bench/suite_program.h"
 #include "eval/suite/suite.h"

@@ -60,7 +60,6 @@ COMMANDS = {
     "compare": (["compare", "a.db", "moma:disturbances=none", "neo:disturbances=none", "--json"], "words", ""),
     "replay": (["replay", "a.db", "TRIAL"], "words", ""),
     "report": (["report", "a.db", "b.db", "-o", "out.html"], "", "out.html"),
-    "export": (["export", "a.db", "--csv", "out"], "folder", "out"),
     "robot": (["robot", f"{CONFIGS}/robots/lift_ur5.yaml", "--json"], "words", ""),
     "draft": (["robot", f"{CONFIGS}/robots/panda.urdf"], "words", ""),
     "solve": (["solve", f"{ROOT}/tests/data/qp_cases/cases/frankie_100.json"], "words", ""),

@@ -5,7 +5,6 @@
 #include <concepts>
 #include <limits>
 #include <set>
-#include <type_traits>
 
 #include "controller/config/convex_hull.h"
 #include "controller/config/json_node.h"

@@ -27,8 +27,4 @@ std::string layout(const nlohmann::ordered_json& solution);
 /// the dominating term of the cost, near objects and singularities.
 std::string explain(const ControlCase& control_case);
 
-/// Predicts the robot of a case for `seconds` [s] > 0 and says why it stops: the controller is rolled out in a model of
-/// the world (ahead/rollout.h). The text has a line for each half second and for each event.
-std::string forecast(const ControlCase& control_case, double seconds);
-
 }  // namespace moma

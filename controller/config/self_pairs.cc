@@ -5,7 +5,6 @@
 #include <random>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "controller/config/robot_build.h"

@@ -41,8 +41,7 @@ store::QueryResult best_points(const QueryOptions& options) {
 }
 
 store::QueryResult answer(const QueryOptions& options) {
-  if (options.sql == "@summary")
-    return summary_table(options.file, "", options.format == Format::kTable || options.format == Format::kMarkdown);
+  if (options.sql == "@summary") return summary_table(options.file, "", for_person(options.format));
   if (asks_for_best(options.sql)) return best_points(options);
   if (options.sql.starts_with('@')) return store::query(options.file, sql_of(options));
   // A person's query may take any time; Ctrl-C ends it.

@@ -194,22 +194,12 @@ namespace {
 
 struct ReportFiles : Page {
   std::filesystem::path html;
-  std::filesystem::path figures;
-  std::filesystem::path table;
 };
 
 int write_files(ReportFiles& options) {
-  const files::Replace replace = options.report.replace;
   std::filesystem::path html = options.html;
-  if (html.empty() && options.table.empty() && options.figures.empty()) html = options.usual_file();
-  if (!html.empty()) files::check_replace(html, reports::page_kind(), replace);  // before a table is written
-  if (!options.table.empty()) {
-    reports::write_table(options.stores, options.table, replace);
-    tell_written(options.table);
-  }
-  if (!options.figures.empty())
-    for (const auto& file : reports::write_figures(options.stores, options.figures, replace)) tell_written(file);
-  if (!html.empty()) options.write_to(html);
+  if (html.empty()) html = options.usual_file();
+  options.write_to(html);
   return kOk;
 }
 
@@ -248,13 +238,10 @@ void add_report(Commands& commands) {
                   "Of so many failures a success in the same world too, to play beside them")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
-  command.add_option("--figures", options.figures, "Write every figure as SVG and PDF into this folder (needs node)");
-  command.add_option("--table", options.table, "Write the table of results for LaTeX (.tex)");
   add_force(command, options.report.replace);
   command.footer(
-      "With --figures or --table the page is written only where -o asks for it.\n"
       "Examples: moma report results/demo.db -o reports/demo.html\n"
-      "          moma report before.db after.db --figures paper/figures --table paper/results.tex");
+      "          moma report before.db after.db");
 }
 
 void add_open(Commands& commands) {

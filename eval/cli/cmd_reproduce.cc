@@ -84,10 +84,11 @@ store::QueryResult differences_table(const run::Reproduction& done) {
 }
 
 void print_reproduction(const run::Reproduction& found, const run::Experiment& experiment, Format format) {
-  const bool for_person = format == Format::kTable || format == Format::kMarkdown;
+  const bool for_person = cli::for_person(format);
   const store::QueryResult rows = rows_table(found, experiment, for_person);
   if (format == Format::kCsv) return write(std::cout, rows, format);  // one table
-  if (for_person) std::cout << terminal_safe("published: " + experiment.source) << "\n\n";
+  if (for_person)
+    std::cout << (format == Format::kLatex ? "% " : "") << terminal_safe("published: " + experiment.source) << "\n\n";
   if (format == Format::kJson) std::cout << "{\"rows\": ";
   write(std::cout, rows, format);
   std::cout << (format == Format::kJson ? ", \"differences\": " : "\n");

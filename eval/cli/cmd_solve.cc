@@ -15,7 +15,6 @@ struct SolveOptions {
   std::string trial;
   long step = 0;
   bool explain = false;
-  double ahead = 0.0;
 };
 
 ControlCase case_of(const SolveOptions& options) {
@@ -26,12 +25,12 @@ ControlCase case_of(const SolveOptions& options) {
 
 int solve_case(const SolveOptions& options) {
   const ControlCase control_case = case_of(options);
-  if (options.explain && options.ahead <= 0.0) {
+  if (options.explain) {
     std::cout << explain(control_case);  // the warnings are part of the explanation
     return kOk;
   }
   print_warnings(control_case.warnings);
-  std::cout << (options.ahead > 0.0 ? forecast(control_case, options.ahead) : layout(solve(control_case)));
+  std::cout << layout(solve(control_case));
   return kOk;
 }
 
@@ -51,10 +50,6 @@ void add_solve(Commands& commands) {
       ->capture_default_str();
   command.add_flag("--explain", options.explain,
                    "Explains in words which constraints hold the command, or why the QP is infeasible");
-  command
-      .add_option("--ahead", options.ahead,
-                  "Predicts the robot's motion for so many seconds, in words, and why it stops")
-      ->check(CLI::Range(1e-3, 3600.0));
   command.footer(
       "An infeasible problem is an answer, not an error.\n"
       "Examples: moma solve tests/data/qp_cases/cases/frankie_119.json --explain\n"

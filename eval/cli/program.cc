@@ -36,7 +36,7 @@ void open_standard_streams() {
 constexpr std::pair<std::string_view, const char*> kGroups[] = {
     {" init run reproduce tune risk break ", "Evaluate"},
     {" query report open view replay shrink compare ", "Look at results"},
-    {" verify merge export ", "Keep results"},
+    {" verify merge ", "Keep results"},
     {" check robot world import identify solve keys ", "Make suites, robots and controllers"},
     {"", "Help"}};
 

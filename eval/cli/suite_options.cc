@@ -81,12 +81,15 @@ void add_threads(CLI::App& command, int& threads) {
 }
 
 void add_format(CLI::App& command, Format& format) {
-  const std::map<std::string, Format> formats = {
-      {"table", Format::kTable}, {"csv", Format::kCsv}, {"json", Format::kJson}, {"markdown", Format::kMarkdown}};
-  command.add_option("-f,--format", format, "table, csv, json or markdown")
+  const std::map<std::string, Format> formats = {{"table", Format::kTable},
+                                                 {"csv", Format::kCsv},
+                                                 {"json", Format::kJson},
+                                                 {"markdown", Format::kMarkdown},
+                                                 {"latex", Format::kLatex}};
+  command.add_option("-f,--format", format, "table, csv, json, markdown or latex")
       ->transform(CLI::Transformer(formats))
-      ->check(CLI::IsMember({Format::kTable, Format::kCsv, Format::kJson, Format::kMarkdown}))
-      ->option_text("table|csv|json|markdown");
+      ->check(CLI::IsMember({Format::kTable, Format::kCsv, Format::kJson, Format::kMarkdown, Format::kLatex}))
+      ->option_text("table|csv|json|markdown|latex");
 }
 
 void add_quiet(CLI::App& command, bool& quiet) { command.add_flag("-q,--quiet", quiet, "No progress and no remarks"); }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <ostream>
 
 #include "controller/model/text_check.h"
@@ -125,6 +126,39 @@ void write_markdown(std::ostream& out, const QueryResult& result) {
   for (const auto& row : grid.rows) line(row);
 }
 
+std::string latex_text(const std::string& text) {
+  static const std::map<char, std::string> kNamed = {{'~', "asciitilde"}, {'^', "asciicircum"}, {'\\', "backslash"},
+                                                     {'<', "less"},       {'>', "greater"},     {'|', "bar"}};
+  std::string out;
+  for (const char c : text) {
+    const auto named = kNamed.find(c);
+    if (named != kNamed.end()) {
+      out += "\\text" + named->second + "{}";
+    } else if (c == '[' || c == ']') {  // behind the end of a line a bracket would be its argument
+      out.append("{").append(1, c).append("}");
+    } else {
+      if (std::string_view("&%$#_{}").find(c) != std::string_view::npos) out += '\\';
+      out += c;
+    }
+  }
+  return out;
+}
+
+void write_latex(std::ostream& out, const QueryResult& result) {
+  const Grid grid = make_grid(result);
+  const auto line = [&](const std::vector<std::string>& texts) {
+    for (std::size_t c = 0; c < texts.size(); ++c) out << (c > 0 ? " & " : "") << latex_text(texts[c]);
+    out << " \\\\\n";
+  };
+  out << "% Needs \\usepackage{booktabs}.\n\\begin{tabular}{";
+  for (const bool right : grid.right) out << (right ? 'r' : 'l');
+  out << "}\n\\toprule\n";
+  line(grid.head);
+  out << "\\midrule\n";
+  for (const auto& row : grid.rows) line(row);
+  out << "\\bottomrule\n\\end{tabular}\n";
+}
+
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -237,6 +271,9 @@ void write(std::ostream& out, const QueryResult& result, Format format) {
       break;
     case Format::kMarkdown:
       write_markdown(out, result);
+      break;
+    case Format::kLatex:
+      write_latex(out, result);
       break;
   }
 }

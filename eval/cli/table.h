@@ -11,9 +11,11 @@
 
 namespace moma::cli {
 
-enum class Format { kTable, kCsv, kJson, kMarkdown };
+enum class Format { kTable, kCsv, kJson, kMarkdown, kLatex };
+/// True for formats that a person reads.
+constexpr bool for_person(Format format) { return format != Format::kCsv && format != Format::kJson; }
 
-/// Writes a result. Table and Markdown are for a person: numbers with up to six digits, text made safe for a terminal.
+/// Writes a result. Table, Markdown and LaTeX (booktabs) are for a person: numbers with up to six digits, safe text.
 /// CSV (RFC 4180, NULL empty) and JSON (a list of objects) keep every bit of a number.
 void write(std::ostream& out, const store::QueryResult& result, Format format);
 

@@ -113,7 +113,7 @@ Broken break_suite(const BreakRequest& request, const Suite& suite, const RareEv
   if (out.end != End::kFinished || out.failures.empty() || request.file.empty() || !one_robot) return out;
   EvaluateRequest held;
   static_cast<Request&>(held) = request;
-  held.cluster = nullptr;  // its ranks know the suite in other worlds
+  held.cluster = nullptr;  // the ranks hold the suite with other worlds
   Evaluation evaluation = evaluate(held, found_suite(suite, out.failures), listener);
   out.end = evaluation.end;
   out.stopped = std::move(evaluation.stopped);

@@ -18,7 +18,7 @@ struct Measured {
   std::int64_t n = 0;          ///< number of trials
   double value = 0.0;          ///< NaN where n = 0
   stats::Interval interval;    ///< 95 %: Wilson's interval of a rate, otherwise mean -+ 1.96 standard errors
-  std::optional<bool> agrees;  ///< whether it agrees with the published figure, if there is one
+  std::optional<bool> agrees;  ///< agreement with the published figure, if there is one
 };
 
 /// A robot with a method: ours, the published row, or both.

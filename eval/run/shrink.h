@@ -22,7 +22,7 @@ struct Shrunk {
   End end = End::kFinished;
   World world;                          ///< fails with its own noise; objects keep the numbers of their noise
   nlohmann::ordered_json disturbances;  ///< remaining disturbances, as in a suite; {}: none
-  TrialRow row;                         ///< of the world's trial
+  TrialRow row;                         ///< row of the trial in the smallest world
   std::size_t objects_before = 0;
   int failing = 0, noises = 0;       ///< number of noises with a failure, and of all noises, including the world's own
   std::vector<std::string> on;       ///< remaining disturbances, "base.delay"

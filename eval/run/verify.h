@@ -24,13 +24,13 @@ struct Verification {
   std::size_t trials = 0;  ///< in the store
   std::size_t chosen = 0;  ///< for a replay
   std::size_t replayed = 0;
-  std::size_t findings = 0;  ///< told to Listener::warning as they are found
+  std::size_t findings = 0;  ///< each is passed to Listener::warning at once
   store::ContentCounts contents;
   std::size_t points = 0;                ///< built again and compared with their rows
-  std::vector<std::string> not_checked;  ///< what nothing is said of, in words
-  std::vector<std::string> in_doubt;     ///< what was to be checked and could not be: the store is not called sound
+  std::vector<std::string> not_checked;  ///< parts without a check, in words
+  std::vector<std::string> in_doubt;     ///< checks that were not possible: the store is then not sound
   std::size_t searches = 0;              ///< run again over their stored trials (eval/run/verify_searches.h)
-  std::size_t verdicts = 0;              ///< of them, judged again
+  std::size_t verdicts = 0;              ///< searches whose verdict was computed again
   /// Trials without a column's value that come out with one.
   std::map<std::string_view, std::size_t> missing;
   std::string hash;  ///< over every result: equal hashes mean equal rows

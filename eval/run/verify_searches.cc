@@ -29,7 +29,7 @@ namespace {
 using nlohmann::ordered_json;
 using Robots = std::map<std::string, ordered_json>;  // resolved ones by their digests
 
-/// Thrown where the stored evaluations end.
+/// Exception at the end of the stored evaluations.
 struct Ended {};
 
 struct Check {
@@ -40,7 +40,7 @@ struct Check {
   Verification& found;
 };
 
-/// Answers with the stored rows. Of the chosen trials it has none, so that they are simulated again; add() compares.
+/// A source of stored rows. It withholds those of the chosen trials, so that they are simulated again; add() compares.
 class Trials : public TrialSource {
  public:
   explicit Trials(const Check& check) : check_(check) {}
@@ -81,7 +81,7 @@ class Trials : public TrialSource {
   std::set<std::string> met_, compared_;
 };
 
-/// Has no evaluation to answer with, so that the search measures each again; append() compares.
+/// A log that withholds its evaluations, so that the search measures each again; append() compares.
 class Log : public tune::EvaluationLog {
  public:
   explicit Log(const std::vector<tune::Evaluation>& stored) : stored_(stored) {}
@@ -123,7 +123,7 @@ class Search {
   void complain(const std::string& text) const { check_.finding(fmt::format("{}: {}", name_, text)); }
   void doubt(const std::string& text) const { check_.found.in_doubt.push_back(fmt::format("{}: {}", name_, text)); }
 
-  /// Tells of whatever stands in the way: nearly anything can be in a store that was changed.
+  /// Reports any exception as a finding: a changed store can hold nearly anything.
   template <class Work>
   void attempt(const char* of, const Work& work) const {
     try {

@@ -47,7 +47,7 @@ class RowWarnings {
 /// Finds points of a suite that cannot work: all of their trials end by one and the same error.
 class SameError {
  public:
-  /// So many of a point's first trials are enough to say so.
+  /// Number of a point's first trials that establishes the error.
   static constexpr int kEnough = 20;
 
   /// Rows in the order of the jobs, so that the answer is the same for any number of threads.

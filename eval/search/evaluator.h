@@ -51,7 +51,7 @@ struct Progress {
   Phase phase = Phase::kStart;
   std::uint64_t evaluations = 0;
   std::uint64_t cut = 0;
-  std::uint64_t trials = 0;  ///< of `budget`
+  std::uint64_t trials = 0;  ///< number of trials used of `budget`
   std::uint64_t budget = 0;
   bool replayed = false;  ///< the last evaluation came from the log
   const Evaluation* last = nullptr;
@@ -88,7 +88,7 @@ class Evaluator {
  private:
   struct Known {
     std::vector<double> values;  ///< worlds x width
-    std::size_t latest = 0;      ///< its latest evaluation in the history
+    std::size_t latest = 0;      ///< index of its latest evaluation in the history
   };
   struct Begun {
     Evaluation evaluation;

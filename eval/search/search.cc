@@ -203,7 +203,7 @@ class Searcher {
     run.population = population(algorithm, limit > trials ? limit - trials : 0);
 
     NloptScores told;
-    std::map<Candidate, double> heard;  // the same point again gets the same answer
+    std::map<Candidate, double> heard;  // a repeated point gets its first answer
     std::size_t repeats = 0;
     const std::size_t most_repeats = 1000 + 100 * from.size();
     const std::string end = run_nlopt(run, [&](std::span<const double> unit) -> std::optional<double> {

@@ -1,7 +1,5 @@
 #include "eval/suite/keys.h"
 
-#include <algorithm>
-
 #include "controller/config/node.h"
 #include "controller/describe/complete.h"
 #include "controller/params_described.h"

@@ -16,7 +16,7 @@ namespace moma::tune {
 struct HeldOut {
   Suite suite;  ///< named NAME-held-out
   std::vector<BatchJob> jobs;
-  std::vector<std::size_t> part;        ///< of each point
+  std::vector<std::size_t> part;        ///< part of the mixture of each point
   std::vector<std::string> part_names;  ///< "" if there is one part only
   std::string found;                    ///< name of the found gains' controller
   std::vector<std::string> others;      ///< the other controllers, in order
@@ -30,7 +30,7 @@ struct HeldOutVerdict {
   std::string against;                       ///< the other side of `overall`
   Verdict overall = Verdict::kNoDifference;  ///< verdict against the controller as the suite has it
   std::string why;
-  std::vector<std::string> constraints;  ///< a line for each
+  std::vector<std::string> constraints;  ///< a line for each constraint
   std::int64_t errors = 0;               ///< worlds against `against` in which a trial ended by an error
   std::optional<stats::PairedRate> success_without_errors;  ///< A: `against`, B: found; set if there are errors
 };

@@ -64,9 +64,9 @@ double Metric::value(const TrialRow& row) const {
 
 namespace {
 
-constexpr double kFailureLimits = 2.0;  // in time limits
+constexpr double kFailureLimits = 2.0;  // cost of a failure in time limits
 constexpr double kBreakageLimits = 4.0;
-// In proportion to the time limit, as for failures: with a short limit smoothness would otherwise cost more than
+// The weight is proportional to the time limit, as for failures: with a short limit smoothness would cost more than
 // success.
 constexpr double kLimitsPerChange = 5.0 / 3.0;
 constexpr double kLimitsForManip = 1.0 / 6.0;  // for the loss of all manipulability

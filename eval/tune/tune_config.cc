@@ -266,7 +266,7 @@ std::string scales() {
   return text.replace(text.rfind(", "), 2, " or ");
 }
 
-// In the order of the reference.
+// Keys in the order of the reference.
 const std::vector<OwnKey>& own_keys() {
   static const std::vector<OwnKey> kKeys{
       {"variables", "", "a map {KEY: {range: [low, high], scale: log, start: x}, ...}",

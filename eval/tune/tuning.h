@@ -22,7 +22,7 @@ struct Tuning {
   std::vector<Suite> held_out_suites;     ///< likewise, where the held-out worlds have a seed of their own
   std::vector<std::size_t> tuned_point;   ///< per part: index of the tuned controller's point
   config::Node controller;                ///< the tuned controller as written, its includes resolved
-  std::filesystem::path controller_file;  ///< where it was written; the suite for one written inline
+  std::filesystem::path controller_file;  ///< file of the controller; the suite for an inline one
   std::vector<std::string> warnings;
   nlohmann::ordered_json identity;  ///< all that decides the search's path: equal identities, equal bits
 };

@@ -4,9 +4,6 @@
 // potential is Khatib's, in a version of his scheme for robots that take velocities: the goal's force becomes a twist
 // of the end effector by a damped inverse, and the others move base and joints down their gradient.
 
-#include <cmath>
-#include <stdexcept>
-
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
 #include "controller/params.h"

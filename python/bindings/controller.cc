@@ -1,8 +1,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <memory>
-#include <utility>
 #include <vector>
 
 #include "controller/case/solve.h"

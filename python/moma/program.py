@@ -83,7 +83,7 @@ def _listen(stream: IO[bytes], said: list[str], show: bool) -> None:
 
 def main() -> None:
     """The command `moma` of the package: the program, and what only Python's libraries do."""
-    if "export" in sys.argv[1:2] and any(word.split("=")[0] == "--parquet" for word in sys.argv[2:]):
+    if "export" in sys.argv[1:2]:
         from .export import main as export
 
         sys.exit(export(sys.argv[2:]))

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <utility>
 
 #include "reports/render/report.h"
 #include "reports/render/store.h"

@@ -1,7 +1,13 @@
 #include "reports/render/report.h"
 
 #include <fmt/format.h>
+#include <spawn.h>
 #include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
 #include <set>
 
 #include "reports/render/files.h"
@@ -64,6 +70,19 @@ void write_report(const Stores& stores, const std::filesystem::path& html_file, 
   if (options.replays < 0) throw ReportError("replays: wanted: 0 or more");
   if (!(options.replay_hz > 0.0)) throw ReportError("replay_hz: wanted: more than 0");
   write_text(html_file, page_kind(), options.replace, html(read_stores(stores, options)));
+}
+
+bool open_in_browser(const std::filesystem::path& html) {
+  const char* chosen = std::getenv("BROWSER");
+  std::string program = chosen != nullptr && *chosen != '\0' ? chosen : "xdg-open";
+  std::string page = std::filesystem::absolute(html).string();
+  char* const words[] = {program.data(), page.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, words[0], nullptr, nullptr, words, environ) != 0) return false;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 }  // namespace moma::reports

@@ -63,20 +63,8 @@ const files::Kind& page_kind();
 /// Cost: about 0.1 ms and 0.6 kB a trial, 30 kB a replay, 1.5 MB for the page's script and fonts.
 void write_report(const Stores& stores, const std::filesystem::path& html, const ReportOptions& options = {});
 
-/// Writes every figure of the page that has something to show as FOLDER/ID.svg and ID.pdf, on white paper, drawn by the
-/// same code.
-/// Returns the files. Runs the program `node`; throws ReportError where it is missing or the folder cannot be written,
-/// files::OutputError where one of the files may not be replaced, before any is written.
-std::vector<std::filesystem::path> write_figures(const Stores& stores, const std::filesystem::path& folder,
-                                                 files::Replace replace = files::Replace::kOwn);
-
 /// Shows a page in the reader's own browser, as $BROWSER or else xdg-open names it, and waits until that has started
 /// it. False where there is none, or it fails.
 bool open_in_browser(const std::filesystem::path& html);
-
-/// Writes the table of results (v_summary, and all families together) for a paper, in LaTeX (booktabs); the file's name
-/// ends in .tex. Throws ReportError naming what is wrong.
-void write_table(const Stores& stores, const std::filesystem::path& file,
-                 files::Replace replace = files::Replace::kOwn);
 
 }  // namespace moma::reports

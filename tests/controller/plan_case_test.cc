@@ -146,22 +146,5 @@ TEST(PlanCase, TheChoiceIsToldInWords) {
   EXPECT_EQ(describe_plan(plain, CaseStep(plain).controller), "");
 }
 
-TEST(PlanCase, TheNextSecondsAreForeseenInWords) {
-  ControlCase c = ahead_case("moma-ahead.yaml");
-  Drive drive(c, 1);
-  drive.step();
-  const std::string ahead = forecast(c, 20.0);
-  EXPECT_NE(ahead.find("follows a path"), std::string::npos) << ahead;
-  EXPECT_NE(ahead.find("E is at the goal after"), std::string::npos) << ahead;
-  // Without looking ahead it stops before the wall, and the wall is what holds it.
-  ControlCase plain = c;
-  plain.controller.plan.enabled = false;
-  plain.controller.escape.enabled = false;
-  plain.has_plan = false;
-  const std::string stops = forecast(plain, 20.0);
-  EXPECT_EQ(stops.find("E is at the goal"), std::string::npos) << stops;
-  EXPECT_NE(stops.find("wall"), std::string::npos) << stops;
-}
-
 }  // namespace
 }  // namespace moma::test

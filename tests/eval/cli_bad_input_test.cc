@@ -252,12 +252,11 @@ TEST_F(CliBadInput, PlacesThatAreNoStore) {
                 .wait()
                 .code,
             0);
-  for (const std::string name : {"query", "verify", "replay", "report", "compare", "export"}) {
+  for (const std::string name : {"query", "verify", "replay", "report", "compare"}) {
     std::vector<std::string> arguments = {name, "other.db"};
     if (name == "query") arguments.push_back("@summary");
     if (name == "replay") arguments.push_back("00");
     if (name == "compare") arguments.insert(arguments.end(), {"a", "b"});
-    if (name == "export") arguments.insert(arguments.end(), {"--csv", "csv"});
     bad(arguments, {"other.db", "another program"});
   }
   bad({"run", "suite.yaml", "-o", "other.db"}, {"other.db", "another program"});
@@ -272,7 +271,6 @@ TEST_F(CliBadInput, OutputThatCannotBeWritten) {
   EXPECT_EQ(result.code, 2) << result.err;
   EXPECT_NE(result.err.find("could not be written"), std::string::npos) << result.err;
   bad({"report", "a.db", "-o", "/proc/a.html"}, {"/proc"});
-  bad({"export", "a.db", "--csv", "suite.yaml"}, {"suite.yaml"});
 }
 
 TEST_F(CliBadInput, ReadOnlyFolder) {

@@ -223,19 +223,11 @@ TEST_F(CliLook, MetricsOfASuiteAreWhereMomasAre) {
                                      "mine:" + points[1]["point"].get<std::string>()})
                                    .out;
   EXPECT_NE(compared.find("\nlatest "), std::string::npos) << compared;
-  good({"export", "a.db", "--csv", "csv"});
-  const auto head = [&](const std::string& file) {
-    std::ifstream in(path(file));
-    std::string line;
-    std::getline(in, line);
-    return line;
-  };
-  EXPECT_TRUE(head("csv/trials.csv").ends_with(",latest"));
-  EXPECT_TRUE(head("csv/summary.csv").ends_with(",latest"));
-  good({"report", "a.db", "-o", "a.html", "--table", "a.tex"});
-  std::ifstream table(path("a.tex"));
-  const std::string tex{std::istreambuf_iterator<char>(table), {}};
-  EXPECT_NE(tex.find("& mean times the bound & latest "), std::string::npos) << tex;
+  const std::string summary = good({"query", "a.db", "@summary", "-f", "csv"}).out;
+  EXPECT_TRUE(summary.substr(0, summary.find('\n')).ends_with(",latest")) << summary;
+  good({"report", "a.db", "-o", "a.html"});
+  const std::string tex = good({"query", "a.db", "@summary", "-f", "latex"}).out;
+  EXPECT_NE(tex.find("& mean change & latest \\\\\n"), std::string::npos) << tex;
   std::ifstream page(path("a.html"));
   const std::string text{std::istreambuf_iterator<char>(page), {}};
   EXPECT_NE(text.find("\"key\":\"latest\""), std::string::npos);

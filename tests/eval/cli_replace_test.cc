@@ -38,14 +38,12 @@ class CliReplace : public CliTest {
 
 TEST_F(CliReplace, AStoreIsReplacedByNothing) {
   fs::copy_file(path("a.db"), path("other.db"));
-  fs::copy_file(path("a.db"), path("csv.tex"));
   fs::create_symlink("a.db", path("link.html"));
   const std::string name = trial();
   for (const std::vector<std::string>& arguments :
        std::vector<std::vector<std::string>>{{"report", "a.db", "-o", "a.db"},
                                              {"report", "a.db", "-o", "other.db"},
                                              {"report", "a.db", "-o", "link.html"},
-                                             {"report", "a.db", "--table", "csv.tex"},
                                              {"replay", "a.db", name, "--log", "a.db"},
                                              {"replay", "a.db", name, "--case", "other.db"},
                                              {"robot", "robots/tiny.yaml", "--fit-shapes", "-o", "other.db"}}) {
@@ -58,30 +56,20 @@ TEST_F(CliReplace, AStoreIsReplacedByNothing) {
 TEST_F(CliReplace, WhatMomaDidNotWriteIsReplacedWithForceAlone) {
   const std::string name = trial();
   write("notes.csv", "a,b\n1,2\n");
-  write("notes.tex", "mine\n");
   write("notes.html", "<!doctype html>\n<title>mine</title>\n");
-  fs::create_directory(path("csv"));
-  write("csv/worlds.csv", "mine\n");
   write("notes.json", "{}\n");
   fs::create_symlink("notes.html", path("link.html"));
   for (const auto& [file, arguments] : std::vector<std::pair<std::string, std::vector<std::string>>>{
            {"suite.yaml", {"report", "a.db", "-o", "suite.yaml"}},
            {"notes.html", {"report", "a.db", "-o", "notes.html"}},
            {"link.html", {"report", "a.db", "-o", "link.html"}},
-           {"notes.tex", {"report", "a.db", "--table", "notes.tex"}},
            {"notes.csv", {"replay", "a.db", name, "--log", "notes.csv"}},
-           {"notes.json", {"replay", "a.db", name, "--case", "notes.json"}},
-           {"csv/worlds.csv", {"export", "a.db", "--csv", "csv"}}}) {
+           {"notes.json", {"replay", "a.db", name, "--case", "notes.json"}}}) {
     kept(file, arguments, {"--force"});
   }
-  EXPECT_FALSE(fs::exists(path("csv/trials.csv"))) << "nothing is written where one of the files may not be";
-  bad({"report", "a.db", "--table", "new.tex", "-o", "notes.html"}, {"notes.html"});
-  EXPECT_FALSE(fs::exists(path("new.tex")));
   good({"report", "a.db", "-o", "link.html", "--force"});
   EXPECT_NE(text("notes.html").find(" moma report</title>"), std::string::npos) << "what the link leads to";
   EXPECT_TRUE(fs::is_symlink(path("link.html")));
-  good({"report", "a.db", "--table", "notes.tex", "--force"});
-  good({"export", "a.db", "--csv", "csv", "--force"});
   good({"replay", "a.db", name, "--log", "notes.csv", "--force"});
 }
 
@@ -93,10 +81,6 @@ TEST_F(CliReplace, WhatMomaWroteBeforeIsReplaced) {
   EXPECT_GT(fs::file_size(path("a.html")), 1000u);
   write("empty.html", "");
   good({"report", "a.db", "-o", "empty.html"});
-  good({"report", "a.db", "--table", "t.tex"});
-  good({"report", "a.db", "--table", "t.tex"});
-  good({"export", "a.db", "--csv", "csv"});
-  good({"export", "a.db", "--csv", "csv"});
   // Into a pipe, which has no path.
   const std::string piped = "'" MOMA_BINARY_DIR "/moma' replay a.db " + trial() + " --log /dev/stdout | cat > piped";
   EXPECT_EQ(Process({"/bin/sh", "-c", piped}, folder_.root()).wait().code, 0);

@@ -49,7 +49,7 @@ TEST(StoreColumns, EachShownMetricHasItsPlace) {
   EXPECT_GT(place, 0);
   for (const store::TrialColumn& column : store::trial_columns()) {
     const Shown& shown = column.about.shown;
-    if (shown.compared || shown.judged || !shown.summary.empty()) EXPECT_GT(shown.place, 0) << column.name;
+    EXPECT_EQ(shown.place > 0, shown.compared || shown.judged || !shown.summary.empty()) << column.name;
   }
 }
 

@@ -176,11 +176,6 @@ TEST_F(CliTrust, OutputsGoThroughLinksAndNeverReplaceWhatIsNoFile) {
     EXPECT_GT(fs::file_size(path(name)), 1000u);
   }
   EXPECT_EQ(fs::status(path("elsewhere/page.html")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
-  fs::create_directory(path("csv"));
-  fs::create_symlink("../elsewhere/trials.csv", path("csv/trials.csv"));
-  good({"export", "a.db", "--csv", "csv"});
-  EXPECT_TRUE(fs::is_symlink(path("csv/trials.csv")));
-  EXPECT_GT(fs::file_size(path("elsewhere/trials.csv")), 100u);
   // The store itself behind a link: merged into where it leads, locked there as well.
   fs::create_symlink("elsewhere/all.db", path("all.db"));
   good({"merge", "all.db", "a.db"});
@@ -327,7 +322,6 @@ TEST_F(CliTrust, AHostileStoreTakesNeitherMemoryNorTimeNorTheProgram) {
         "report a.db -o a.html",
         "verify a.db --fraction 1 -q --threads 1",
         "replay a.db " + trial,
-        "export a.db --csv csv",
         "merge out.db a.db"};
     for (const std::string& one : commands) {
       fs::remove(path("out.db"));

@@ -69,9 +69,6 @@ class DataTest(unittest.TestCase):
         done = subprocess.run([sys.executable, "-m", "moma", "export", "none.db", "--parquet", "x"], cwd=self.folder, capture_output=True, text=True)
         self.assertEqual(done.returncode, 1)
         self.assertIn("no store none.db", done.stderr)
-        alone = subprocess.run([moma.program(), "export", "results/demo.db", "--parquet", "x"], cwd=self.folder, capture_output=True, text=True)
-        self.assertEqual(alone.returncode, 2)
-        self.assertIn("python3 -m moma export results/demo.db --parquet x", alone.stderr)
 
     def test_what_the_page_shows_runs(self):
         page = (ROOT / "docs/how-to/data.md").read_text()

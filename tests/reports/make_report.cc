@@ -13,20 +13,16 @@ std::atomic<bool> stop{false};
 
 /// For the tests of the page in a browser:
 ///   make_report STORE... HTML
-///   make_report --figures STORE... FOLDER
 ///   make_report --view STORE...        until SIGTERM; prints the address
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: make_report [--figures | --view] STORE... [HTML | FOLDER]\n");
+    std::fprintf(stderr, "usage: make_report [--view] STORE... [HTML]\n");
     return 2;
   }
-  const bool figures = std::strcmp(argv[1], "--figures") == 0;
   const bool view = std::strcmp(argv[1], "--view") == 0;
-  const moma::reports::Stores stores(argv + (figures || view ? 2 : 1), argv + (view ? argc : argc - 1));
+  const moma::reports::Stores stores(argv + (view ? 2 : 1), argv + (view ? argc : argc - 1));
   try {
-    if (figures) {
-      moma::reports::write_figures(stores, argv[argc - 1]);
-    } else if (view) {
+    if (view) {
       std::signal(SIGTERM, [](int) { stop = true; });
       moma::reports::ViewOptions options;
       options.port = 0;

@@ -119,10 +119,6 @@ TEST(PageData, TrialsThatEndByAnErrorDidNotSucceed) {
                           .getDouble();
   EXPECT_EQ(page.at("overall").at(0).at("controller"), "holistic");
   EXPECT_DOUBLE_EQ(page.at("overall").at(0).at("success_rate").get<double>(), rate);
-  write_table({folder / "a.db"}, folder / "a.tex");
-  const std::string tex = read_file(folder / "a.tex");
-  EXPECT_NE(tex.find("& $n$ & errors & success"), std::string::npos) << tex;
-  EXPECT_NE(tex.find("& moma & 20 & 20 & 0.0 ("), std::string::npos) << tex;
 }
 
 TEST(PageData, MetricsOfASuiteStandBesideMomas) {
@@ -156,9 +152,6 @@ TEST(PageData, MetricsOfASuiteStandBesideMomas) {
     ASSERT_TRUE(mean.executeStep());
     EXPECT_NEAR(row.at("own").at("jitter").get<double>(), mean.getColumn(0).getDouble(), 1e-12);
   }
-  write_table({folder / "a.db"}, folder / "a.tex");
-  const std::string tex = read_file(folder / "a.tex");
-  EXPECT_NE(tex.find("& mean command change & mean times the bound & jitter & steps"), std::string::npos) << tex;
 }
 
 TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {

@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <string>
-#include <utility>
 
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "world/scenario/family.h"

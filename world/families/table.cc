@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <set>
 
 #include "controller/config/reader.h"
 #include "world/scenario/scene_builder.h"

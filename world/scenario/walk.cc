@@ -1,7 +1,6 @@
 #include "world/scenario/walk.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>

@@ -17,7 +17,7 @@ export type Option = Record<string, unknown>;
 
 export interface Drawing {
   option: Option;
-  /** What the figure rests on: number of trials, interval. */
+  /** Evidence behind the figure: number of trials, kind of interval. */
   note: string;
   columns: string[];
   rows: (string | number | null)[][];
@@ -29,7 +29,7 @@ export interface Choice {
   key: string;
   label: string;
   options: () => readonly (readonly [value: string, text: string])[];
-  /** What is chosen, where it is not the address alone that says it. */
+  /** The chosen value, where the address alone does not determine it. */
   value?: () => string;
 }
 
@@ -56,7 +56,7 @@ export function textOf(words: string | (() => string)): string {
 /** Without double quotes: the SVG renderer writes it into an attribute as it is. */
 export const kFont = "'Inter Variable', Inter, system-ui, 'Segoe UI', sans-serif";
 
-/** Where a plot lies in its figure [px]; the axes' names and numbers lie within. */
+/** Box of a plot in its figure [px], names and numbers of the axes included. */
 export function gridBox(top = 8, right = 24, left = 4): Option {
   return { left, right, top, bottom: 8, outerBoundsMode: 'same', outerBoundsContain: 'all' };
 }
@@ -106,7 +106,7 @@ export function axis(p: Palette, name: string, more: Option = {}, write: (v: num
   };
 }
 
-/** In a plot narrower than this names and numbers have less room [px]. */
+/** A plot narrower than this shortens names and numbers [px]. */
 export const kNarrow = 560;
 
 /** How many marks an axis has in a plot so wide. */
@@ -125,7 +125,7 @@ export interface AxisRow { name: string; family?: string }
 /** Height of a line of a row's name in a narrow plot [px]. */
 const kLine = 14;
 
-/** What names a row in a narrow plot, a line each: controller, point, family. */
+/** The lines that name a row in a narrow plot: controller, point, family. */
 function linesOf({ name, family = '' }: AxisRow): string[] {
   return [...name.split(' \u00b7 '), family].filter((line) => line !== '');
 }
@@ -202,7 +202,7 @@ export function ruler(p: Palette, from: readonly (number | string)[], to: readon
   return { type: 'line', ...kUnseen, showSymbol: false, data: [from, to], lineStyle: { color: p.faint, width: 1, type: [4, 3] }, z: 1, ...more };
 }
 
-/** From each point level to the next one's x, then straight up or down to it. */
+/** A step function: each value holds until the next point's x. */
 export function stairs(points: readonly (readonly [number, number])[]): [number, number][] {
   const out: [number, number][] = [];
   for (const [x, y] of points) {
@@ -285,7 +285,7 @@ export function gainAxis(p: Palette, values: readonly number[], width: number): 
 /** Room on the right of plots side by side for half of the last number below them [px]. */
 const kRight = 28;
 
-/** Of plots side by side [px]: room on the left for the words of their common axis, the least width of one and how many there may be in a row, their height. */
+/** Layout of plots side by side [px]: room on the left for the common axis, least width of a plot, most plots in a row, height. */
 const kLayout = { left: 58, narrowest: 200, most: 4, high: 118 };
 
 /**
@@ -329,12 +329,12 @@ export interface Plots {
   /** The axis along x of a plot with about so many marks. */
   x: (marks: number) => Option;
   y: Option;
-  /** What is drawn of a group; `alone`: in a plot of its own. */
+  /** The series of a group; `alone`: in a plot of its own. */
   series: (place: number, alone: boolean) => Option[];
   /** Drawn once behind all groups of one plot. */
   behind?: Option[];
   tooltip: Option;
-  /** Where a group's curve ends, to bear its name there; without it, or without room, names stand above the plot. */
+  /** End of a group's curve, where its name stands. Without an end, or without room, names stand above the plot. */
   end?: (place: number) => readonly [number, number];
   height?: number;
 }

@@ -16,16 +16,16 @@ export interface Pairs {
   neither: number;
   /** Exact McNemar test of equal success rates. */
   p: number;
-  /** Of B - A over the worlds in which both have the metric. */
+  /** Mean of B - A over the worlds in which both sides have the metric. */
   differences: number;
   mean: number;
-  /** Of the mean; only where it is asked for, since it takes its time. */
+  /** Interval of the mean; computed on request, since the bootstrap is slow. */
   readonly interval: Interval;
 }
 
 export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
   const t = model.trials;
-  // By what the world is, not by its index: stores that are compared may count other worlds.
+  // Worlds are matched by content, not by index: compared stores can number them differently.
   const named = (row: number): string => t.text('world_key', row);
   const place = new Map(a.rows.map((row) => [named(row), row]));
   const worlds: PairedWorld[] = [];
@@ -47,7 +47,7 @@ export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
   };
 }
 
-/** What bootstrapMean() gives, in words. */
+/** Says in words how bootstrapMean() computes its interval. */
 export const kMeanInterval = 'paired bootstrap, as in moma compare';
 
 export function pairsText(of: Pairs, a: string, b: string, metric: Metric): string {

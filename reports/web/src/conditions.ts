@@ -11,7 +11,7 @@ export interface Condition {
   values: string[];
 }
 
-/** Of a controller, so that its values are candidates to choose from. */
+/** Keys of a controller: their values are candidates to choose from. */
 export function isGain(key: string): boolean {
   return /^controllers?\./.test(key);
 }
@@ -33,7 +33,7 @@ export function conditions(model: Model, slice: Slice): Condition[] {
   return keys.map((key) => ({ key, name: key, values: [...new Set(points.map((p) => valueOf(p, key)))] })).filter((c) => c.values.length > 1);
 }
 
-/** Whether the points of a controller differ, and in nothing but conditions. */
+/** True if the points of a controller differ, and only in conditions. */
 export function onlyConditions(model: Model, slice: Slice): boolean {
   return conditions(model, slice).length > 0 && !model.page.points.some((p) => inSlice(p, slice) && Object.keys(p.params).some(isGain));
 }
@@ -62,7 +62,7 @@ export function meets(model: Model, slice: Slice, point: PointInfo | undefined):
   });
 }
 
-/** Whether two points were run under the same conditions and disturbances; what no point says is the same. */
+/** True if two points have the same conditions and disturbances. A condition that no point names is the same. */
 export function equalConditions(model: Model, slice: Slice, a: PointInfo | undefined, b: PointInfo | undefined): boolean {
   if (a === undefined || b === undefined) return true;
   const disturbedBy = (point: PointInfo): string => JSON.stringify(Object.entries(point.disturbances ?? {}).filter(([key]) => key !== 'seed'));
@@ -82,7 +82,7 @@ export function disturbed(point: PointInfo | undefined): string {
   return Object.keys(point?.disturbances ?? {}).filter((key) => key !== 'seed').join(', ');
 }
 
-/** What of the points of a slice is disturbed, in a few words; '' nothing. */
+/** Names the disturbed parts of a slice's points in a few words; '' without disturbances. */
 export function disturbances(model: Model, slice: Slice): string {
   const points = model.page.points.filter((p) => inSlice(p, slice));
   const swept = conditions(model, slice).filter((c) => c.key === 'disturbances');

@@ -9,14 +9,14 @@ export type Outcome = string;
 /** All of them, in the order of their description. */
 export let kOutcomes: readonly Outcome[] = [];
 
-/** What numbers in samples stand for, by their column: status, fallback, plan_mode, plan_reason. */
+/** Words for the numbers in columns of samples: status, fallback, plan_mode, plan_reason. */
 export let kWords: Readonly<Record<string, readonly string[]>> = {};
 
 export function describeSamples(words: typeof kWords): void {
   kWords = words;
 }
 
-/** As a person reads it: "joint limit". */
+/** The outcome in words: "joint limit". */
 export function outcomeName(outcome: Outcome): string {
   return outcome.replaceAll('_', ' ');
 }
@@ -35,7 +35,7 @@ export interface SummaryRow {
   store?: string;
 }
 
-/** Of a row, also what metrics say that it has (Metric.summary), and the suites' own metrics. */
+/** Cell of a row: a column of v_summary, a metric's mean (Metric.summary), or a suite's own metric. */
 export function cellOf(row: SummaryRow, key: string): string | number | null {
   const own = row.own?.[key];
   return own === undefined ? (row as unknown as Record<string, string | number | null>)[key] ?? null : own;
@@ -49,9 +49,9 @@ export interface PointInfo {
   success_position_m: number; success_orientation_rad: number; success_dwell_s: number;
   simulation_version: number;
   robot_content: string;
-  /** What of the robot's URDF was not understood and left out, a sentence each; empty where it was read strictly. */
+  /** Parts of the URDF that were left out, a sentence each; empty after strict reading. */
   left_out: readonly string[];
-  /** What stands between robot and controller (docs/reference/disturbances.md); empty: nothing. */
+  /** Disturbances between robot and controller (docs/reference/disturbances.md); empty without any. */
   disturbances: Record<string, unknown>;
 }
 
@@ -63,9 +63,9 @@ export interface Invocation {
   /** `notes` of the suite, Markdown; the author of the page may add others (PageData.notes). */
   notes?: string | null;
   trials_planned: number; trials_present: number; trials_done: number; store?: string;
-  /** Of one that is "running": whether its program still holds the store's lock. */
+  /** State of a "running" invocation: whether its program still holds the store's lock. */
   writer?: 'at work' | 'gone' | 'unknown';
-  /** What moma risk found. */
+  /** Estimates of `moma risk`. */
   risk: RiskEstimate[] | null;
 }
 
@@ -77,17 +77,17 @@ export interface RiskEstimate {
   p: number; low: number; high: number; refused: boolean; replicates: number; trials: number;
   crude: number; crude_low: number; crude_high: number; crude_trials: number;
   excess: number; died: number; ancestors: number; tied: number;
-  /** Of the level, nearer and nearer: value, probability to come as near, its interval, share among the first draws. */
+  /** Levels from far to near: value, probability to reach it, its interval, share among the first draws. */
   way: [value: number, p: number, low: number, high: number, crude: number][];
 }
 
 export interface ReplayData {
   trial: string; robot: string; world: unknown; hz: number; n: number; columns: string[]; data: string;
-  /** Of the QP, where the trial was simulated again for them (replay/rows.ts). */
+  /** Rows of the QP, if the trial was simulated again for them (replay/rows.ts). */
   rows?: { names: string[]; n: number[]; data: string };
 }
 
-/** What `moma view` answers: the robot comes along; samples may have been simulated anew for it. */
+/** Answer of `moma view`: the motion with its robot. Samples can be simulated anew. */
 interface ServedReplay extends ReplayData { resolved: unknown; simulated?: boolean }
 
 /** A motion to play. */
@@ -111,11 +111,11 @@ export interface TuneSearch {
 export interface PageData {
   format: number;
   store: { file: string; schema: number };
-  /** Where several stores are compared; rows then name their store. */
+  /** The compared stores, if several; rows then name their store. */
   stores?: { label: string; file: string }[];
-  /** What the author of the page writes at its head, Markdown. */
+  /** Notes of the page's author for its head, Markdown. */
   notes?: string;
-  /** Where `moma view` serves the page: motions are asked for. */
+  /** Set if `moma view` serves the page: motions are then requested. */
   live?: { token: string; simulates: boolean };
   metrics: MetricData[];
   outcomes: Outcome[];
@@ -124,10 +124,10 @@ export interface PageData {
   points: PointInfo[];
   summary: SummaryRow[];
   overall: SummaryRow[];
-  /** Those of each point's first `worlds` worlds, of `stored` in all; the summary is over all. */
+  /** Trials of each point's first `worlds` worlds, among `stored`; the summary covers all. */
   trials: { n: number; stored: number; worlds: number; columns: Record<string, Cell[] | { values: string[]; codes: number[] }> };
   robots: Record<string, unknown>;
-  /** What robots look like, by the ids of `robots`; none of those whose URDF says nothing. */
+  /** Visual meshes by the ids of `robots`, for robots whose URDF has visuals. */
   looks?: Record<string, unknown>;
   /** The worst of each kind; with `live` their names only. */
   replays: (ReplayData | { trial: string })[];
@@ -150,7 +150,7 @@ export class Trials {
     return this.source.n;
   }
 
-  /** By row, NaN where the store has none; of what no trial has: no rows. */
+  /** Values by row, NaN where the store has none. A column that no trial has is empty. */
   values(name: string): Float64Array {
     let made = this.numbers.get(name);
     if (made === undefined) {
@@ -165,7 +165,7 @@ export class Trials {
     return name in this.source.columns;
   }
 
-  /** NaN where the store has none. */
+  /** One value; NaN where the store has none. */
   number(name: string, row: number): number {
     return this.values(name)[row] ?? NaN;
   }
@@ -190,7 +190,7 @@ export class Trials {
   }
 }
 
-/** What may be compared: trials of one suite, robot and mode. */
+/** Comparable trials: one suite, robot and mode. */
 export interface Slice {
   id: string;
   suite: string;
@@ -245,12 +245,12 @@ export class Model {
     return this.rowOf.get(trial);
   }
 
-  /** Whether motion() may have it. */
+  /** True if motion() can have the trial. */
   playable(trial: string): boolean {
     return this.page.live?.simulates === true ? this.rowOf.has(trial) : this.replays.has(trial);
   }
 
-  /** What a click on the mark of a trial does, in a sentence that says how many motions are at hand. */
+  /** A sentence that says how a click on a trial's mark acts, and how many motions the page has. */
   clickPlays(): string {
     if (this.page.live?.simulates === true) return 'A click plays the trial.';
     const motions = this.page.replays.length;
@@ -265,7 +265,7 @@ export class Model {
     return replay === undefined || !('data' in replay) ? undefined : { replay, robot: this.page.robots[replay.robot], simulated: false };
   }
 
-  /** From the page, or from the server that serves it. */
+  /** The motion, from the page or from its server. */
   motion(trial: string): Promise<Motion> {
     const embedded = this.embedded(trial);
     if (embedded !== undefined) return Promise.resolve(embedded);
@@ -317,7 +317,7 @@ export class Model {
   }
 }
 
-/** What `moma view` answers; throws an Error with its words where it refuses. */
+/** Requests JSON from `moma view`. Throws an Error with its words if it refuses. */
 export async function ask(path: string): Promise<unknown> {
   const answer = await fetch(path);
   const json = await answer.json() as { error?: string };
@@ -335,7 +335,7 @@ export function inSlice(row: { suite: string; robot: string; mode: string }, sli
   return row.suite === slice.suite && row.robot === slice.robot && row.mode === slice.mode;
 }
 
-/** Where all points differ in one thing: the last part of its key with the value, "disturbances: none" or "lambda_q=0.1". */
+/** Labels of points that differ in one key: its last part with the value, "disturbances: none" or "lambda_q=0.1". */
 function shortLabels(labels: readonly string[]): (label: string) => string {
   const parts = labels.map((label) => /^([^\s=]+)=([^\s=]*)$/.exec(label));
   const keys = new Set(parts.map((part) => part?.[1] ?? ''));

@@ -1,6 +1,6 @@
 // When things are drawn: when they come near the window, when nothing else is to do, and for paper at once.
 
-/** What is so near to the window is drawn [px]. */
+/** Parts within this distance of the window are drawn [px]. */
 const kMargin = 300;
 
 const waiting = new Map<Element, () => void>();
@@ -24,13 +24,13 @@ export function whenSeen(element: Element, call: () => void): void {
   seen().observe(element);
 }
 
-/** As far outside the window as whenSeen() looks. */
+/** Margin around the window that whenSeen() observes. */
 export function isNear(element: Element): boolean {
   const box = element.getBoundingClientRect();
   return box.bottom > -kMargin && box.top < innerHeight + kMargin;
 }
 
-/** What is drawn when nothing else is to do, and for paper. */
+/** Parts that are drawn when the page is idle, and for paper. */
 const figures: Element[] = [];
 
 function drawWaiting(element: Element): void {

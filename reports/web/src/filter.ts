@@ -7,10 +7,10 @@ import { view, type View } from './view';
 
 const kSearched = ['trial', 'controller', 'point', 'family', 'outcome', 'link', 'object', 'reason', 'store'];
 
-/** By row, of the data that is loaded now. */
+/** Search texts by row, for the loaded data. */
 const joined = new WeakMap<PageData['trials'], string[]>();
 
-/** All that is searched of each row, in lower case; its world as "world:12". */
+/** Search text of each row, in lower case; its world is "world:12". */
 function textsOf({ page, trials: t }: Model): string[] {
   let texts = joined.get(page.trials);
   if (texts === undefined) {

@@ -65,7 +65,7 @@ export function percentRange(low: number | null, high: number | null): string {
   return `${percentWith(low, decimals)}\u2013${percentWith(high, decimals)}\u00a0%`;
 }
 
-/** With its sign, unless it is written as nothing: "+0.3", "0.0". */
+/** Writes a value with its sign, unless its digits are zeros: "+0.3", "0.0". */
 export function signed(value: number, write: (v: number) => string): string {
   const text = write(value);
   return (value > 0 && /[1-9]/.test(text) ? '+' : '') + text;

@@ -11,11 +11,11 @@ export interface MetricData {
   of: 'trial' | 'world' | 'machine';
   /** How it is written: with so many decimals, or else so many significant digits. */
   decimals?: number; significant?: number;
-  /** Its name as a head of the table of trials; none is not listed there. */
+  /** Head of its column in the table of trials; without one it has no column. */
   head?: string;
-  /** Its column in the table of results, where it has one. */
+  /** Column of the table of results, if it has one. */
   summary?: { column: string; name: string };
-  /** Of the suite's own. */
+  /** True for a metric that a suite defines. */
   own?: boolean;
 }
 

@@ -13,7 +13,7 @@ export function keepFilled(fill: () => void): void {
   onTheme(fill);
 }
 
-/** The same of a part that takes its time: when it comes near the window, or nothing else is to do. */
+/** Fills a slow part when it comes near the window, or when the page is idle. */
 export function fillLater(element: HTMLElement, fill: () => void): void {
   drawLater(element, fill);
   const refill = (): void => drawOrWait(element, fill);

@@ -69,7 +69,7 @@ export function svgOf(spec: FigureSpec, bare = false): string | null {
   });
 }
 
-/** What stands in the page only while it is printed. */
+/** Elements that the page shows in print alone. */
 const stills: { place: HTMLElement; make: () => Node | null }[] = [];
 
 /** `make` is called for each print and gives what is printed in `place`. */

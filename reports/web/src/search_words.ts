@@ -29,7 +29,7 @@ const kCriterion: Record<string, string> = {
   'no difference shown': 'neither success nor the objective is shown to be better, nor success or collisions to be worse',
 };
 
-/** What was found to hold on other worlds, by how much, and by which rule. */
+/** Says the verdict on the held-out worlds, its size and its rule. */
 export function verdictOf(search: TuneSearch): string[] {
   if (search.verdict === null) {
     const still = search.writer === 'at work' ? 'still running' : search.writer === 'gone' ? 'was killed; the same command goes on' : 'still running, or was killed';

@@ -228,24 +228,3 @@ export function bootstrapMean(differences: readonly number[], rounds = 9999): In
   means.sort();
   return { low: quantile(means, 0.025), high: quantile(means, 0.975) };
 }
-
-/** So many groups are left out in turn for jackknifeErrors(). */
-export const kJackknifeGroups = 20;
-
-/**
- * Standard errors by the delete-a-group jackknife (Shao and Tu, The Jackknife and Bootstrap, 1995, 2.3): `without(g)` are the
- * estimates from all data but group `g` of kJackknifeGroups. Null where one of them cannot be made.
- */
-export function jackknifeErrors(without: (group: number) => readonly number[] | null): number[] | null {
-  const parts: (readonly number[])[] = [];
-  for (let group = 0; group < kJackknifeGroups; ++group) {
-    const part = without(group);
-    if (part === null) return null;
-    parts.push(part);
-  }
-  return (parts[0] ?? []).map((_, i) => {
-    const values = parts.map((part) => part[i] ?? 0);
-    const mean = values.reduce((sum, v) => sum + v, 0) / kJackknifeGroups;
-    return Math.sqrt(((kJackknifeGroups - 1) / kJackknifeGroups) * values.reduce((sum, v) => sum + (v - mean) ** 2, 0));
-  });
-}

@@ -52,7 +52,7 @@ export function isDark(): boolean {
 /** Both, for tests. */
 export const kPalettes: readonly Palette[] = [light, dark];
 
-/** Of the page now; of paper (`saved`) for saved figures. */
+/** Returns the palette that the page shows now, or that of paper for a saved figure. */
 export function palette(saved = false): Palette {
   return !saved && isDark() ? dark : light;
 }
@@ -61,7 +61,7 @@ export function seriesColour(of: Palette, mark: number): string {
   return mark < 0 ? of.faint : of.series[mark % of.series.length] ?? of.ink;
 }
 
-/** Of an outcome that has none, as of a newer store: the faintest. */
+/** An outcome without a colour, as in a newer store, has the faintest. */
 export function outcomeColour(of: Palette, outcome: Outcome): string {
   return of.outcomes[outcome] ?? of.faint;
 }
@@ -71,7 +71,7 @@ export function seriesInk(of: Palette, mark: number): string {
   return readable(seriesColour(of, mark), of.ink, of.surface);
 }
 
-/** Where colours come round again, dash and symbol are others than the first time. */
+/** When the colours repeat, dash and symbol differ from the first round. */
 function again(mark: number, kinds: number): number {
   return (mark + Math.floor(mark / kColours)) % kinds;
 }

@@ -95,7 +95,7 @@ export function resultOf(s: Pick<Series, 'controller' | 'point'>, family = view(
   return rowOf(model, slice, family, s);
 }
 
-/** Of many series, the few with the highest success rate over all families. */
+/** Returns the few series with the highest success rate over all families. */
 function best(model: Model, slice: Slice, all: readonly Series[]): Set<number> {
   const rate = new Map(all.map((s) => [s, rowOf(model, slice, '', s)?.success_rate ?? -1]));
   return new Set([...all].sort((a, b) => rate.get(b)! - rate.get(a)!).slice(0, kMostSeries - 2).map((s) => s.index));
@@ -122,13 +122,13 @@ export function rivalsOf(base: Series, among: readonly Series[]): Series[] {
   return alike.length > 0 ? alike : others.filter((s) => s.controller === base.controller);
 }
 
-/** Of the shown series that `base` may be compared with, the one with the highest success rate. */
+/** Returns the shown series with the highest success rate that can be compared with `base`. */
 export function bestRival(base: Series | undefined): Series | undefined {
   const rate = (s: Series): number => resultOf(s, '')?.success_rate ?? -1;
   return base === undefined ? undefined : rivalsOf(base, view().series).sort((a, b) => rate(b) - rate(a))[0];
 }
 
-/** What the numbers in names are, where names are only numbers. */
+/** Says which quantity a name's number is, where names are numbers alone. */
 export function naming(): string {
   const keys = namedBy(view().all.map((s) => s.point));
   return keys === '' ? '' : ` Names are values of ${keys}.`;

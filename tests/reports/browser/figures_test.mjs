@@ -112,32 +112,6 @@ const apart = async (page, id, names, what, ratio) => {
   return seen;
 };
 
-/** Bars with the greatest first, and on each a whisker of one error to both sides, as long as the data say. */
-const bars = async (page, id, what, ratio) => {
-  const seen = await read(page, id);
-  legible(seen, `${what}, ${id}`);
-  const rows = await csv(page, id);
-  const names = rows.map((row) => short(row.gain));
-  const labels = seen.letters.filter((letter) => names.includes(letter.text)).sort((a, b) => a.y - b.y);
-  check(labels.map((letter) => letter.text).join() === names.join() && rows.every((row, i) => i === 0 || Number(row.share) <= Number(rows[i - 1].share)), `${what}: ${id} has the greatest share first: ${labels.map((letter) => letter.text)}`);
-  const marks = seen.letters.filter((letter) => /^\d+ %$/.test(letter.text) && letter.y > labels[labels.length - 1].y).map((letter) => [parseFloat(letter.text) / 100, (letter.left + letter.right) / 2]).sort((a, b) => a[0] - b[0]);
-  const [first, last] = [marks[0], marks[marks.length - 1]];
-  const place = (share) => first[1] + ((share - first[0]) * (last[1] - first[1])) / (last[0] - first[0]);
-  const ink = rgb(labels[0].colour);
-  labels.forEach((label, i) => {
-    const [share, error] = [Number(rows[i].share), Number(rows[i].error)];
-    check(rows[i].error !== '' && Number.isFinite(error), `${what}: ${id}: the share of ${label.text} has an error`);
-    const ends = [];
-    for (let y = label.y - 3 * ratio; y <= label.y + 3 * ratio; y += 1) for (let x = label.right + 3 * ratio; x < seen.width; x += 1) if (seen.at(x, y)[3] > 90 && like(seen.at(x, y), ink, 24)) ends.push(x);
-    const [from, to] = [place(Math.max(0, share - error)), place(Math.min(1, share + error))];
-    check(to - from < 2 * ratio || (near(Math.min(...ends), from, 2.5 * ratio) && near(Math.max(...ends), to, 2.5 * ratio)), `${what}: ${id}: the error of ${label.text} is drawn from ${Math.min(...ends)} to ${Math.max(...ends)}, wanted ${from} to ${to}`);
-    if (share > 0.02) {
-      const [r, g, b, a] = seen.at(place(share / 2), label.y + 4 * ratio);
-      check(a > 150 && Math.max(r, g, b) - Math.min(r, g, b) > 40, `${what}: ${id} has a bar for ${label.text}`);
-    }
-  });
-};
-
 const views = [
   ['light', { width: 1440, height: 900, ratio: 1 }], ['dark', { width: 960, height: 480, ratio: 2, scheme: 'dark' }], ['phone', { width: 390, height: 600, ratio: 2, touch: true }],
 ];
@@ -147,8 +121,6 @@ for (const [what, view] of views) {
   const { context, page } = await open(swept, { ...view, init: noteLetters });
   const { ratio } = view;
   await heat(page, what, ratio);
-  await bars(page, 'shares', what, ratio);
-  await bars(page, 'importance', what, ratio);
   await apart(page, 'slices', levels.map(short), what, ratio);
   // A slice for each gain, the one that explains most first; the value that was found stands below its line.
   const ranked = [...search.variables].sort((a, b) => b.importance - a.importance);
@@ -203,7 +175,7 @@ for (const [what, view] of views) {
     const printed = (id) => page.locator(`#figure-${id} .on-paper svg text`).allTextContents();
     const cells = (await printed('heat')).map((text) => text.replace(/\s/g, ' '));
     for (const row of overall) check(cells.includes(percent(row.success_rate)) && cells.some((text) => text === `${(100 * row.success_low).toFixed(1)}\u2013${(100 * row.success_high).toFixed(1)} %`), `print: ${percent(row.success_rate)} and its interval in ${cells}`);
-    for (const [id, names] of [['sensitivity', ranked.map((v) => short(v.key))], ['slices', levels.map(short)], ['difficulty', named], ['shares', levels.map(short)], ['importance', ranked.map((v) => short(v.key))]]) {
+    for (const [id, names] of [['sensitivity', ranked.map((v) => short(v.key))], ['slices', levels.map(short)], ['difficulty', named]]) {
       const texts = await printed(id);
       check(names.every((name) => texts.includes(name)), `print: ${id} names ${names}: ${texts}`);
     }

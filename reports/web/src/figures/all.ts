@@ -9,20 +9,16 @@ import { forest } from './forest';
 import { outcomes } from './outcomes';
 import { paired } from './paired';
 import { pareto } from './pareto';
-import { riskFigures } from './risk';
 import { scatter } from './scatter';
 import { sweep } from './sweep';
 import { isSwept } from './swept';
 import { timing } from './timing';
-import { tuningFigures } from './tuning';
 
 export const kFigures = {
   results: () => [forest(), outcomes()],
   time: () => [arrival()],
   difficulty: () => [difficulty()],
   sweep: (model: Model) => (isSwept(model) ? [...sweep(), pareto()] : []),
-  tuning: tuningFigures,
-  risk: riskFigures,
   quality: () => [
     distribution('manipulability', 'manip_mean'),
     distribution('metric', 'command_change_mean'),

@@ -21,7 +21,7 @@ function collect(key: string): Row[] {
   }));
 }
 
-/** Of fewer values a density shows its kernel, and outer percentiles are single trials: they are drawn one by one. */
+/** Fewer values are drawn one by one: their density would show the kernel, and outer percentiles are single trials. */
 const kFew = 30;
 
 /** Dots from the axis upwards, each as low as those before it leave room. */
@@ -36,7 +36,7 @@ function pile(xs: readonly number[], size: number): number[] {
   });
 }
 
-/** Of `among`, the metrics that some shown trial has, to choose from. */
+/** Returns the metrics among `among` of which a shown trial has a value. */
 function presentMetrics(among: readonly Metric[]): [string, string][] {
   const { model, series } = view();
   return among.filter((m) => series.some((s) => model.trials.any(m.key, s.rows))).map((m) => [m.key, axisName(m)]);
@@ -74,7 +74,7 @@ export function distribution(id: string, first: string): FigureSpec {
       const rows = all.map((r) => ({ name: r.series.short, family: several ? r.family : '' }));
       const counts = all.map((r) => r.spread.n);
 
-      /** What a row shows, above and below its `middle`; `x` places a value. */
+      /** Marks of a row above and below its `middle`; `x` places a value. */
       const drawn = (row: Row, middle: number, tall: number, x: (v: number) => number): Option[] => {
         const { spread: s } = row;
         const colour = seriesColour(p, row.series.mark);

@@ -86,6 +86,7 @@ export function riskFigures(model: Model): FigureSpec[] {
 }
 
 export function risk(model: Model): Node[] {
+  const figures = riskFigures(model);
   return groups(model).flatMap((of, i) => [
     h('div', { class: 'panel' },
       table(`Probability of ${of[0]!.event}`, ['Controller and family', upper(of[0]!.event), 'Trials', 'Crude trials', 'Spread / ideal', 'Ancestors'], of.map((r) => [
@@ -94,6 +95,6 @@ export function risk(model: Model): Node[] {
         significant(r.excess, 2), integer(r.ancestors),
       ]), 'risk'),
       h('p', { class: 'note' }, 'Splitting, 95 % log-normal intervals over replicates. Spread / ideal above 2 is doubtful, above 3 there is no estimate. Regions that no replicate reached show in none of these numbers.')),
-    figure(exceedances(of, i === 0 ? '' : String(i + 1))),
+    figure(figures[i]!),
   ]);
 }

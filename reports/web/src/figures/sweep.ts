@@ -1,11 +1,10 @@
-// A sweep: success over two swept gains as a heat map, in slices along each gain, and how much each explains.
+// A sweep: success over two swept gains as a heat map, and in slices along each gain.
 
 import { axis, gainAxis, gridBox, nice, pathSeries, plain, smallMultiples, tip, tipOf, whiskers, type FigureSpec } from '../chart';
 import { along, inkOn } from '../colour';
 import { integer, percentRange, plural, sizes, upper } from '../format';
 import * as state from '../state';
 import { seriesColour } from '../theme';
-import { gainShares } from './gain_shares';
 import { gains, intervalOf, isBetter, kMeasureChoice, measure, measured, points, ramp, short, told, valueOf, type Point } from './swept';
 
 /** Points that differ from `best` in `gain` alone, itself among them, by their value of it. */
@@ -130,5 +129,5 @@ function heat(): FigureSpec {
 }
 
 export function sweep(): FigureSpec[] {
-  return [heat(), slices(), gainShares()];
+  return [heat(), slices()];
 }

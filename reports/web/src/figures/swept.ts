@@ -11,16 +11,16 @@ import { resultOf, view } from '../view';
 export interface Point { name: string; controller: string; point: string; values: Map<string, number>; row: SummaryRow }
 
 export interface Measure {
-  /** Of the table of results. */
+  /** Column of the table of results. */
   key: string;
   name: string;
   write: (v: number) => string;
   lowIsGood: boolean;
-  /** The same of one trial: a metric, or whether it ended so. */
+  /** The measure of one trial: a metric, or 1 for an outcome. */
   trial: { metric: string } | { outcome: string };
 }
 
-/** What the table of results has of a point: rates, and the metrics that it shows. */
+/** Measures of a point in the table of results: rates, and the shown metrics. */
 export function measures(): Measure[] {
   return [
     { key: 'success_rate', name: 'success rate', write: percent, lowIsGood: false, trial: { outcome: 'success' } },
@@ -46,7 +46,7 @@ export function points(): Point[] {
   });
 }
 
-/** Those that have the measure. */
+/** Points that have the measure. */
 export function measured(): Point[] {
   const of = measure();
   return points().filter((point) => Number.isFinite(valueOf(point.row, of)));
@@ -58,7 +58,7 @@ export function gains(all: readonly Point[]): string[] {
   return keys.filter((key) => new Set(all.map((p) => p.values.get(key))).size > 1);
 }
 
-/** NaN where the row has none. */
+/** Value of the measure; NaN without one. */
 export function valueOf(row: SummaryRow, of: Measure): number {
   const value = cellOf(row, of.key);
   return typeof value === 'number' ? value : NaN;
@@ -73,7 +73,7 @@ export function isBetter(a: number, b: number, of: Measure): boolean {
   return of.lowIsGood ? a < b : a > b;
 }
 
-/** What a point's tooltip says. */
+/** Lines of a point's tooltip. */
 export function told({ row }: Point, of: Measure): [string, string][] {
   return [[of.name, of.write(valueOf(row, of))], ['success', `${percent(row.success_rate)} (${percentRange(row.success_low, row.success_high)})`], ['n', String(row.n)]];
 }

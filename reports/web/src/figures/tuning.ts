@@ -5,11 +5,9 @@ import { figure } from '../figure';
 import type { Model, TuneSearch } from '../data';
 import { h, table } from '../dom';
 import { integer, percent, percentRange, plural, probability, significant } from '../format';
-import { shareErrors } from '../gain_effects';
 import { metric } from '../metrics';
 import { difference, isRate, named, verdictOf } from '../search_words';
 import { seriesColour } from '../theme';
-import { shareBars } from './gain_shares';
 import { short } from './swept';
 
 function gains(search: TuneSearch): HTMLElement {
@@ -163,28 +161,9 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
   };
 }
 
-function importance(search: TuneSearch, id: string): FigureSpec {
-  return {
-    id: `importance${id}`,
-    title: 'How much of the search each gain explains',
-    caption: 'Share of the variance of the candidates\u2019 ranks that a gain accounts for by itself; bars are one standard error.',
-    empty: 'This search measured too few candidates to tell.',
-    draw: (p, width) => {
-      const errors = shareErrors(search);
-      const bars = search.variables.flatMap((v, i) => (v.importance === null ? [] : [{ name: short(v.key), key: v.key, share: v.importance, error: errors?.[i] ?? null }]));
-      return bars.length === 0 ? null : shareBars(p, width, bars,
-        `n = ${integer(search.evaluations.length)} candidates.${errors === null ? ' Too few for errors.' : ' Errors: jackknife over twentieths of them.'} What is left of 100 % is interaction and noise.`);
-    },
-  };
-}
-
 function figuresOf(search: TuneSearch, index: number): FigureSpec[] {
   const id = index === 0 ? '' : String(index + 1);
-  return [held(search, id), history(search, id), importance(search, id), sensitivity(search, id)];
-}
-
-export function tuningFigures(model: Model): FigureSpec[] {
-  return model.page.tuning.flatMap(figuresOf);
+  return [held(search, id), history(search, id), sensitivity(search, id)];
 }
 
 export function tuning(model: Model): Node[] {

@@ -6,7 +6,7 @@ import type { Robot } from './robot';
 import { poseAt } from './look';
 import type { Trace } from './trace';
 
-/** Of the picture's half height and width, this much is used. */
+/** Used share of the picture's half height and width. */
 const kUsed = 0.9;
 /** Nearer than this to the middle of what is seen, or to any point of it, which its near plane would cut off, the camera never is [m]. */
 const kNearest = 0.6;

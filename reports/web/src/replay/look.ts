@@ -79,7 +79,7 @@ export function wheels(robot: Robot, look: readonly Part[]): Skin[] {
   })));
 }
 
-/** Of links that are rigid to each other one visual is enough: their shapes are then left out. */
+/** One visual among links that are rigid with each other is enough: their shapes are then left out. */
 export function skins(robot: Robot, look: readonly Part[]): Skin[] {
   const seen = new Set(look.filter((part) => robot.has(part.link)).map((part) => robot.rigid(part.link)));
   const bare = (link: string): boolean => !seen.has(robot.rigid(link));

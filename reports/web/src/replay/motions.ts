@@ -17,7 +17,7 @@ export function listed(model: Model): string[] {
   return (failed.length > 0 ? failed : rows).slice(0, 24).map((row) => t.text('trial', row));
 }
 
-/** Where the motions come from, in a sentence. */
+/** Names the source of the motions in a sentence. */
 export function motionsNote(model: Model): string {
   const [first] = model.page.replays;
   if (model.page.live !== undefined) {
@@ -51,7 +51,7 @@ export class MotionList {
   }
 }
 
-/** So many are offered. */
+/** Most motions that the list offers. */
 const kMost = 40;
 
 export class SecondMotion {

@@ -10,7 +10,7 @@ const kPolicy = 1;
 const kPath = 3;
 const kChoices = ['', 'the policy', 'a detour', 'a path'];  // a detour: in stores of simulation version 12 and before
 
-/** Whether the motion has a plan at all. */
+/** True if the motion has a plan. */
 export function looksAhead(trace: Trace): boolean {
   return trace.has('plan_mode');
 }
@@ -37,7 +37,7 @@ export function planSentence(trace: Trace, t: number): string {
   return said.join(' ');
 }
 
-/** Where the base was to go from time t on along the path that it follows, (x, y) in the world; none where it follows none. */
+/** Rest of the base's path at time t, (x, y) in the world; empty without a path. */
 export function pathAhead(trace: Trace, t: number): [number, number][] {
   if (!looksAhead(trace)) return [];
   const column = (name: string): Float32Array => trace.column(`plan_${name}`);
@@ -51,7 +51,7 @@ export function pathAhead(trace: Trace, t: number): [number, number][] {
   return places;
 }
 
-/** Where a detour leads to at time t, (x, y) in the world; null without one. */
+/** End of the detour at time t, (x, y) in the world; null without one. */
 export function detourTarget(trace: Trace, t: number): [number, number] | null {
   if (!trace.has('detour_x')) return null;
   const [i] = trace.locate(t);

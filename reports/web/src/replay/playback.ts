@@ -2,7 +2,7 @@
 
 /** Less than this before the end, Play begins anew [s]. */
 const kAtEnd = 1e-6;
-/** What a frame that comes late moves the clock by at most [s]: a window that was hidden goes on where it was. */
+/** Greatest step of the clock in one frame [s]: after the window was hidden the replay continues where it was. */
 const kLongest = 0.1;
 
 export class Playback {

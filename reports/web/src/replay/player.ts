@@ -30,7 +30,7 @@ const kSpeeds = [0.25, 0.5, 1, 2, 4] as const;
 /** An arrow key moves the time by this much [s]. */
 const kStep = 0.1;
 
-/** Where nothing can be played: why, and the command that plays a trial. */
+/** Says why nothing can be played, and which command plays a trial. */
 function nothingToPlay(model: Model): HTMLElement {
   const trial = model.trials.n > 0 ? model.trials.text('trial', 0) : 'TRIAL';
   return h('div', { class: 'empty' },
@@ -193,7 +193,7 @@ export function player(model: Model): HTMLElement {
     show();
   };
 
-  /** What is shown, over the scene and in what is taken along. */
+  /** Caption of the motion, over the scene and in saved pictures. */
   const tellCaption = (row: number, simulated: boolean): void => {
     const t = model.trials;
     const [outcome, hit, senses] = [t.outcome(row), t.text('link', row), disturbed(model.point(row))];

@@ -8,7 +8,7 @@ export interface ShapeJson extends PoseJson {
   link?: string; shape: string; size?: number[]; vertices?: (number | number[])[]; triangles?: (number | number[])[];
 }
 
-/** Of the base [m]: two, or four with a wheelbase between the axles. */
+/** Wheels of the base [m]: two, or four with a wheelbase between the axles. */
 export interface Wheels { radius?: number; separation?: number; wheelbase?: number; width?: number }
 
 interface RobotJson {
@@ -180,12 +180,12 @@ export class Robot {
     return '@base';
   }
 
-  /** Whether the arm moves a link against the base. */
+  /** True if the arm moves a link against the base. */
   moves(link: string): boolean {
     return this.rigid(link) !== '@base';
   }
 
-  /** Whether a link is part of the hand: rigid to the tip, and moved by the arm. */
+  /** True if a link is part of the hand: rigid with the tip, and moved by the arm. */
   inHand(link: string): boolean {
     return this.moves(link) && this.rigid(link) === this.rigid(this.tip);
   }

@@ -10,7 +10,7 @@ import { unpacked16 } from '../packed';
 import type { Words } from './captioned_picture';
 import type { ReplayScene } from './scene';
 
-/** In the order of reports/render/replay_data.h. */
+/** Numbers of a row, in the order of reports/render/replay_data.h. */
 const kKinds = ['object', 'floor', 'self'] as const;
 const kActive = 8;
 const kColumns = 10;
@@ -42,13 +42,13 @@ export function readRows({ rows }: ReplayData): Row[][] | null {
   }));
 }
 
-/** The same rows a little later: what their ends are on has moved. `place` gives the pose of a link or an object `then` and `now`. */
+/** Moves the rows' ends with their links and objects. `place` gives a pose `then` and `now`. */
 export function carried(rows: readonly Row[], place: (name: string, when: 'then' | 'now') => Matrix4): Row[] {
   const move = (point: Vector3, name: string): Vector3 => point.clone().applyMatrix4(place(name, 'then').clone().invert()).applyMatrix4(place(name, 'now'));
   return rows.map((row) => ({ ...row, first: move(row.first, row.link), second: move(row.second, row.other) }));
 }
 
-/** So many rows that hold the command back have their distance written. */
+/** Most active rows whose distance is written. */
 const kLabels = 8;
 
 /** Height of a label [px], and how wide one is at most. */
@@ -70,7 +70,7 @@ export class RowWords {
   /** Lies over the scene. */
   readonly labels = h('div', { class: 'row-labels', 'aria-hidden': 'true' });
   readonly sentence = h('p', { class: 'note rows-near' });
-  /** Where labels may be [px]. */
+  /** Box for labels [px]. */
   private place = { top: 0, width: Infinity, height: Infinity };
 
   /** Keeps labels within the scene and below what is written at its top. */

@@ -8,7 +8,7 @@ const kFps = 30;
 
 /** A motion that is shown. */
 export interface Shown {
-  /** Of the trial; another one's is another. '' while nothing is shown. */
+  /** Name of the shown trial, distinct for each; '' while nothing is shown. */
   name(): string;
   /** [s] */
   time(): number;
@@ -48,7 +48,7 @@ export function filmButton(of: Shown): HTMLButtonElement {
       button.textContent = `Stop at ${integer(Math.round((100 * k) / frames))} %`;
     };
     try {
-      // What encodes is a large part of the script, and run only where something is filmed.
+      // The encoder is a large part of the script; it starts with the first film.
       const { film } = await import('./film');
       const video = await film(of.picture(), frames, kFps, drawFrame, () => filming === mine && of.name() === name);
       if (video !== null) downloadBlob(`${name}.webm`, video);

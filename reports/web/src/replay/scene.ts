@@ -50,7 +50,7 @@ export class ReplayScene {
   private readonly camera = new PerspectiveCamera(38, 1, 0.05, 200);
   private readonly controls: OrbitControls;
   private content = new Group();
-  /** What was shown before, until that which is shown now has been drawn. */
+  /** The picture before, until the new one is drawn. */
   private former: Group | null = null;
   private shown: Shown | null = null;
   private shapesOnly = false;
@@ -58,7 +58,7 @@ export class ReplayScene {
   private bodies: { mesh: Mesh; name: string; start: Placed; motion: MotionJson | undefined }[] = [];
   private arrows = new Group();
   private plan = new Group();
-  /** Where the base is to go by its path or detour at the time shown; none where it has neither. */
+  /** Line of the base's path or detour at the shown time; empty without one. */
   planned: [number, number][] = [];
   /** The collision rows at the time shown. */
   rows: Row[] = [];
@@ -259,7 +259,7 @@ export class ReplayScene {
     for (const row of this.rows) this.arrows.add(rowArrow(row, this.colours));
   }
 
-  /** Where a link of the robot, which stands as at time t, or an object is; of the floor the world's axes. */
+  /** Pose of a link or of an object at time t; the floor has the world's axes. */
   private placeOf(robot: Robot, name: string, t: number): Matrix4 {
     if (robot.has(name)) return robot.pose(name).clone();
     const body = this.bodies.find((one) => one.name === name);
@@ -276,7 +276,7 @@ export class ReplayScene {
     this.plan.add(floorPath(this.planned, this.colours.plan));
   }
 
-  /** Where a point is in the picture, in CSS pixels; null behind the camera. */
+  /** Projection of a point into the picture [CSS px]; null behind the camera. */
   project(point: Vector3): [number, number] | null {
     const seen = point.clone().project(this.camera);
     return seen.z > 1 || Math.abs(seen.x) > 1 || Math.abs(seen.y) > 1 ? null

@@ -21,14 +21,14 @@ const kRow = 40;
 const kStrip = 22;
 const kLeft = 150;
 
-/** In words: what the solver did at time t. */
+/** Says in words how the solver ended at time t. */
 export function statusAt(trace: Trace, t: number): string {
   const [i] = trace.locate(t);
   const word = (column: string): string => (kWords[column]?.[trace.column(column)[i] ?? 0] ?? 'unknown').replaceAll('_', ' ');
   return word('fallback') === 'none' ? word('status') : `${word('status')}; fallback: ${word('fallback')}`;
 }
 
-/** What counts as arrived [m, rad]. */
+/** Tolerance of arrival [m, rad]. */
 export interface Tolerances { position: number; rotation: number }
 
 /** Columns of a motion's samples that may be added to the time line, with their names: those of joints have the joint's. */
@@ -71,7 +71,7 @@ export class Timeline {
     this.ghost = ghost;
   }
 
-  /** Of the longer motion [s]. */
+  /** Duration of the longer motion [s]. */
   get end(): number {
     return Math.max(this.trace?.end ?? 0, this.ghost?.end ?? 0);
   }

@@ -11,7 +11,7 @@ import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
 import { baseline, rivalsOf, view } from '../view';
 
-/** Those that the table of results has. */
+/** Metrics of the table of results. */
 function compared(): Metric[] {
   return kMetrics.filter((m) => m.summary !== undefined || m.own);
 }

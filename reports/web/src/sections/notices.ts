@@ -9,7 +9,7 @@ const kSettings: readonly (readonly [keyof PointInfo, string])[] = [
   ['success_position_m', 'tolerance in position'], ['success_orientation_rad', 'tolerance in orientation'], ['success_dwell_s', 'dwell time'],
 ];
 
-/** What must be equal for rates to be comparable; within one store it is. */
+/** Conditions that must be equal for rates to be comparable. Within one store they are. */
 function settings(points: readonly PointInfo[], several: boolean): string[] {
   if (!several) return [];
   const differ = kSettings.filter(([key]) => new Set(points.map((p) => p[key])).size > 1).map(([key, name]) => `${name} (${list([...new Set(points.map((p) => String(p[key])))])})`);

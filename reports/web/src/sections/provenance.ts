@@ -49,7 +49,7 @@ function parameters(all: readonly PointInfo[]): HTMLElement | null {
     h('details', null, h('summary', null, `All ${plural(keys.length, 'parameter')}`), sideBySide('Parameters', keys, shown, '\u2013')));
 }
 
-/** What a point is run with, beside its gains. */
+/** Settings of a point other than its gains. */
 const kShared = ['control_period_s', 'physics_step_s', 'time_limit_s', 'success_position_m', 'success_orientation_rad', 'success_dwell_s', 'simulation_version', 'disturbances', 'worlds', 'robot_content'] as const;
 
 function settingsOf(p: PointInfo): Map<string, string> {

@@ -43,7 +43,7 @@ function columns(all: readonly SummaryRow[]): Column[] {
 /** More rows than this in a group are in the order of their success, unless another is asked for. */
 const kAsDefined = 4;
 
-/** In the order asked for; rows without the value last. */
+/** Sorts the rows as asked; rows without the value come last. */
 function ordered(group: readonly SummaryRow[], keys: readonly string[]): SummaryRow[] {
   const asked = state.get('rank') || (group.length > kAsDefined ? 'success_rate:down' : '');
   const [key = '', direction] = asked.split(':');

@@ -120,7 +120,7 @@ export function trials(model: Model): HTMLElement {
     count.textContent = rows.length === all ? `${plural(all, 'trial')}.` : `${integer(rows.length)} of ${plural(all, 'trial')}.`;
   };
 
-  /** What follows from the trials that are shown, whatever the filter. */
+  /** Rows that follow from the shown trials, independent of the filter. */
   const settle = (): void => {
     shownColumns = columns(model);
     all = view().series.reduce((sum, s) => sum + s.rows.length, 0);
