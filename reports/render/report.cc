@@ -8,9 +8,9 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <ostream>
 #include <set>
 
-#include "reports/render/files.h"
 #include "reports/render/html.h"
 #include "reports/render/page_data.h"
 #include "reports/render/store.h"
@@ -69,7 +69,15 @@ void write_report(const Stores& stores, const std::filesystem::path& html_file, 
   if (options.trials < 1) throw ReportError("trials: wanted: 1 or more");
   if (options.replays < 0) throw ReportError("replays: wanted: 0 or more");
   if (!(options.replay_hz > 0.0)) throw ReportError("replay_hz: wanted: more than 0");
-  write_text(html_file, page_kind(), options.replace, html(read_stores(stores, options)));
+  const std::string page = html(read_stores(stores, options));
+  std::error_code error;  // writing says what is wrong with a folder that cannot be made
+  std::filesystem::create_directories(files::behind_links(html_file).parent_path(), error);
+  try {
+    files::write_file(html_file, page_kind(), options.replace,
+                      [&](std::ostream& out) { out.write(page.data(), static_cast<std::streamsize>(page.size())); });
+  } catch (const files::OutputError& failure) {
+    throw ReportError(failure.what());
+  }
 }
 
 bool open_in_browser(const std::filesystem::path& html) {
