@@ -14,6 +14,7 @@ Controller::Controller(Controller&&) noexcept = default;
 Controller& Controller::operator=(Controller&&) noexcept = default;
 
 void Controller::reset(std::span<const ObjectShape> objects) { core_->reset(objects); }
+void Controller::see(const DepthFrame& frame) noexcept { core_->see(frame); }
 void Controller::step(const Observation& observation, StepResult& result) noexcept { core_->step(observation, result); }
 void Controller::prepare(StepResult& result) const { core_->prepare(result); }
 void Controller::enable_timing(bool on) noexcept { core_->enable_timing(on); }

@@ -27,6 +27,7 @@ class Controller : public StepController {
   Controller& operator=(Controller&&) noexcept;
 
   void reset(std::span<const ObjectShape> objects) override;
+  void see(const DepthFrame& frame) noexcept override;
   void step(const Observation& observation, StepResult& result) noexcept override;
   void prepare(StepResult& result) const override;
 

@@ -41,6 +41,7 @@ ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, Controll
     : model_(not_null(std::move(model))),
       params_(checked(std::move(params), *model_, control_period)),
       control_period_(control_period),
+      map_(model_, params_.map, params_.prediction.base_sensing, params_.prediction.joint_sensing),
       predictor_(*model_, params_.prediction, params_.uncertainty, params_.base_share, control_period,
                  params_.acceleration_limit),
       escape_(params_.escape, params_.servo, *model_, control_period),
@@ -58,14 +59,18 @@ ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, Controll
 
 ControllerCore::~ControllerCore() = default;
 
-void ControllerCore::reset(std::span<const ObjectShape> objects) {
+void ControllerCore::reset(std::span<const ObjectShape> told) {
+  std::vector<ObjectShape> objects(told.begin(), told.end());
+  map_.reset();
+  map_.append_shapes(objects);
+  told_ = told.size();
   object_names_.clear();
   for (const ObjectShape& object : objects) object_names_.push_back(object.name);
   poser_.set_objects(objects);
   assessment_.allocate(objects.size());
   fallback_.allocate(poser_.problem().n(), poser_.problem().capacity());
   escape_.reset();
-  if (predictor_.on()) predictor_.reset(objects);
+  if (predictor_.on()) predictor_.reset(told, map_.count());
   for (const std::unique_ptr<Guard>& guard : guards_) guard->set_objects(objects);
   if (lookahead_) lookahead_->reset(objects);
   counters_ = {};
@@ -79,6 +84,11 @@ void ControllerCore::prepare(StepResult& result) const { result.command = Vector
 void ControllerCore::step(const Observation& observation, StepResult& result) noexcept {
   begin(result);
   if (!usable(observation) || result.command.size() != answer_.command.size()) return brake(observation, result);
+  if (map_.on()) {
+    map_.observe(observation);
+    std::ranges::copy(map_.states(), predictor_.more().begin());
+    if (map_.waits()) return brake(observation, result);
+  }
   const Observation& seen = predictor_.on() ? predictor_.predict(observation) : observation;
   const Situation now = assessment_.assess(seen, predictor_.spreads(), {predictor_.hold(), predictor_.drive()}, clock_);
   const Demand demand = policy_->decide(now);
@@ -113,8 +123,7 @@ void ControllerCore::begin(StepResult& result) noexcept {
 }
 
 bool ControllerCore::usable(const Observation& o) const noexcept {
-  if (o.q.size() != model_->num_joints() || o.qdot.size() != model_->num_velocities() ||
-      o.objects.size() != object_names_.size())
+  if (o.q.size() != model_->num_joints() || o.qdot.size() != model_->num_velocities() || o.objects.size() != told_)
     return false;
   if (!std::isfinite(o.time) || !o.base.allFinite() || !o.q.allFinite() || !o.qdot.allFinite() ||
       !o.goal.X_WG.matrix().allFinite() || !o.goal.V_WG_W.allFinite() || !o.goal.free.allFinite())

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "controller/guard/guard.h"
+#include "controller/map/seen_map.h"
 #include "controller/memory.h"
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
@@ -33,6 +34,7 @@ class ControllerCore final : public StepController {
   ~ControllerCore() override;
 
   void reset(std::span<const ObjectShape> objects) override;
+  void see(const DepthFrame& frame) noexcept override { map_.see(frame); }
   void step(const Observation& observation, StepResult& result) noexcept override;
   void prepare(StepResult& result) const override;
 
@@ -88,7 +90,9 @@ class ControllerCore final : public StepController {
   /// Look-ahead with its state, last choice and plans; null if `plan` is off.
   const Lookahead* lookahead() const noexcept { return lookahead_.get(); }
   Lookahead* lookahead() noexcept { return lookahead_.get(); }
+  /// Names of the told objects, then of the map's boxes.
   const std::vector<std::string>& object_names() const noexcept { return object_names_; }
+  const SeenMap& map() const noexcept { return map_; }
   /// Wheel speeds [rad/s] of the last command: left, right or FL, FR, RL, RR; empty without wheels. Allocates.
   VectorX wheels() const;
   const StepCounters& counters() const noexcept { return counters_; }
@@ -128,6 +132,8 @@ class ControllerCore final : public StepController {
   StepClock* clock_ = nullptr;
 
   // Memory between steps.
+  SeenMap map_;
+  std::size_t told_ = 0;  // number of objects that observations have
   Predictor predictor_;
   Escape escape_;
   std::unique_ptr<Lookahead> lookahead_;  // null if `plan` is off

@@ -133,6 +133,15 @@ class Checker {
                                             ": the rows allow a distance at which the check stops the robot");
     if (p_.sight.enabled && model_.base_dof() > 0 && !(sight_speed(p_.sight, model_, p_.acceleration_limit[0]) > 0.0))
       error("limits.sight", "leaves no speed: range must be above reach + speed x reaction");
+    const MapParams& map = p_.map;
+    if (map.enabled && !p_.prediction.enabled)
+      error("map", "needs `prediction`: it knows how old the measurements are");
+    if (map.enabled && model_.sensors.empty()) warning("map", "stays empty: the robot file has no `sensors`");
+    if (map.enabled && !(map.inset < 0.5 * map.cell))
+      error("map.inset", "must be below half of map.cell = " + short_text(map.cell) + ", is " + short_text(map.inset));
+    if (map.unseen.enabled && !(map.unseen.stop < map.unseen.influence))
+      error("map.unseen.stop", "must be below map.unseen.influence = " + short_text(map.unseen.influence) + ", is " +
+                                   short_text(map.unseen.stop));
     if (base && !p_.prediction.enabled) {
       warning("limits.base",
               "without `prediction` holds around the measured velocity: late measurements and drives "

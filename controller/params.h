@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "controller/describe/enumeration.h"
+#include "controller/map/params.h"
 #include "controller/model/manipulability.h"
 #include "controller/model/robot_model.h"
 #include "controller/plan/plan_params.h"
@@ -171,6 +172,7 @@ struct ControllerParams {
   SightParams sight;
   PredictionParams prediction;
   UncertaintyParams uncertainty;
+  MapParams map;
   OutputScalingParams output_scaling;
   EscapeParams escape;
   PlanParams plan;

@@ -202,6 +202,8 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
              "the controller acts on the state in which its command takes effect");
   v.optional("uncertainty", &T::uncertainty, &UncertaintyParams::enabled, Off::kOmitted,
              "rows keep a margin for errors of measurement");
+  v.optional("map", &T::map, &MapParams::enabled, Off::kOmitted,
+             "map of occupied and unseen space from the ranges of the robot's sensors");
   v.optional("output_scaling", &T::output_scaling, &OutputScalingParams::enabled, Off::kNone,
              "scales the command as a whole (holistic)");
   v.optional("escape", &T::escape, &EscapeParams::enabled, Off::kKept, "detours out of local minima");

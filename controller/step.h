@@ -34,6 +34,14 @@ struct Observation {
   std::vector<ObjectState> objects;  ///< in the number and order of reset()
 };
 
+/// A frame of one of the robot's sensors (model/sensor.h): the measured range of each ray, in the order of RayView.
+/// Infinite: nothing in range; 0: no measurement.
+struct DepthFrame {
+  int sensor = 0;     ///< index into RobotModel::sensors
+  double time = 0.0;  ///< at which it was taken, by the clock of Observation::time [s]
+  VectorX ranges;     ///< [m]
+};
+
 /// Command of a step and its origin. `status` is that of the original problem; `fallback` names the stage that replaced
 /// it.
 struct StepResult {
@@ -64,6 +72,8 @@ class StepController {
   virtual ~StepController() = default;
   /// Starts a motion among these objects (their order is that of Observation::objects). Clears all state.
   virtual void reset(std::span<const ObjectShape> objects) = 0;
+  /// Takes a frame that has arrived since the last step, each once, in the order of time. Ignored by default.
+  virtual void see(const DepthFrame&) noexcept {}
   /// `result.command` must have been sized by prepare() or an earlier step.
   virtual void step(const Observation& observation, StepResult& result) noexcept = 0;
   /// Sizes the vectors of `result` so that step() never allocates.

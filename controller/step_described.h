@@ -94,7 +94,7 @@ static_assert(is_complete<ObjectCovariance>() && is_complete<GoalState>() && is_
               is_complete<StepResult>());
 // std::optional defeats is_complete(): this compiles as long as these are all members.
 inline void all_members_of(const ObjectState& state) {
-  [[maybe_unused]] const auto& [pose, twist, visible, covariance] = state;
+  [[maybe_unused]] const auto& [pose, twist, visible, covariance, box, seen] = state;  // the last two stay inside
 }
 static_assert(all_worded<StepStatus>() && all_worded<Fallback>());
 

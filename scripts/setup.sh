@@ -19,6 +19,7 @@ packages=(
   libmicrohttpd-dev libboost-dev
   libopenmpi-dev openmpi-bin
   libgtest-dev librapidcheck-dev libbenchmark-dev clang-format sqlite3
+  liboctomap-dev libdynamicedt3d-dev   # oracles of the map's tests
   librsvg2-bin poppler-utils   # draw and read the page's figures and prints in the tests
 )
 missing=()

@@ -170,7 +170,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   int known = 0;
   bool movers = false;
   for (const ObjectState& object : o.objects) {
-    known += object.visible ? 1 : 0;
+    known += object.visible && object.seen ? 1 : 0;
     movers = movers || (object.visible && in_motion(object));
   }
   news_ = news_ || known != state_.known;

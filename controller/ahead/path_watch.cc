@@ -47,7 +47,7 @@ bool PathWatch::news(std::span<const ObjectState> objects, const PlanarShift& sh
       std::abs(wrapped(shift.turn - looked_shift_.turn)) > turned)
     return true;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const bool counts = objects[i].visible && !in_motion(objects[i]);
+    const bool counts = objects[i].visible && objects[i].seen && !in_motion(objects[i]);
     if (!counts) continue;
     const ObjectState& then = looked_at_[i];
     if (!then.visible || in_motion(then)) return true;

@@ -10,6 +10,7 @@ namespace {
 // The model has neither latency nor uncertainty. Its longer period asks for fewer periods between checked moments.
 ControllerParams on_time(ControllerParams params) {
   params.prediction.enabled = false;
+  params.map.enabled = false;  // its boxes are among the objects
   params.uncertainty.enabled = false;
   params.collision.evasion.enabled = false;  // a base that drives away does not arrive
   params.collision.check.every = std::max(1, params.collision.check.every / 2);
@@ -66,6 +67,8 @@ void Rollout::reset(std::span<const ObjectShape> objects) {
 void Rollout::begin(const Observation& o, const EscapeState& escape, const RolloutLimits& limits) noexcept {
   limits_ = limits;
   copy_observation(o, state_);
+  for (ObjectState& object : state_.objects)
+    if (!object.seen) object.visible = false;  // as plans, it goes through space that no sensor has seen
   policy_.set_escape_state(escape);
   allowed_ = escape.stagnations + (escape.idle >= patience_ ? 1 : 0);
   time_ = 0.0;

@@ -55,7 +55,9 @@ class BrakeGuard final : public Guard {
         margin_(p.collision.check.margin),
         stop_(p.collision.object.stop),
         slowest_(VectorX::Zero(model->num_velocities())),
-        command_(slowest_) {}
+        command_(slowest_) {
+    check_.keep_from_unseen(p.map.unseen.margin);
+  }
 
   void set_objects(std::span<const ObjectShape> objects) override { check_.set_objects(objects); }
 

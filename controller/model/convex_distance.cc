@@ -43,6 +43,13 @@ ConvexGeometry convex_geometry(const Shape& shape) {
   return std::make_shared<coal::Convex<coal::Triangle>>(points, num_points, triangles, num_triangles);
 }
 
+void resize_box(Solid& solid, const Vector3& size) noexcept {
+  solid.shape.size = solid.bound.size = size;
+  solid.radius = bounding_radius(solid.shape);
+  // The geometry was made by convex_geometry(), as an object that is not constant.
+  static_cast<coal::Box&>(const_cast<coal::ShapeBase&>(*solid.geometry)).halfSide = 0.5 * size;
+}
+
 namespace {
 
 coal::Transform3s to_coal(const Isometry& X) { return coal::Transform3s(X.linear(), X.translation()); }

@@ -58,6 +58,9 @@ struct Solid {
   }
 };
 
+/// Gives a solid that is a box other edge lengths. Does not allocate.
+void resize_box(Solid& solid, const Vector3& size) noexcept;
+
 /// True if two placed solids are more than `range` apart by their bounding balls, or by one of them and the other's
 /// ball; also if a pose is not finite. False if they may be nearer.
 inline bool apart(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb, double range) noexcept {

@@ -49,6 +49,23 @@ struct Proximity::Impl {
     return distance;
   }
 
+  void fit(std::size_t j, const ObjectState& state) noexcept {
+    Solid& solid = objects[j];
+    if (state.box.x() > 0.0 && solid.shape.kind == ShapeKind::kBox && solid.shape.size != state.box)
+      resize_box(solid, state.box);
+  }
+
+  // Ball around all shapes of the robot as placed.
+  void enclose(Vector3& centre, double& radius) const noexcept {
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = 0; i < robot.size(); ++i) {
+      box.extend(robot_X_WS[i].translation() - Vector3::Constant(robot[i].radius));
+      box.extend(robot_X_WS[i].translation() + Vector3::Constant(robot[i].radius));
+    }
+    centre = robot.empty() ? Vector3(Vector3::Zero()) : Vector3(box.center());
+    radius = robot.empty() ? 0.0 : 0.5 * box.diagonal().norm();
+  }
+
   bool place(const Kinematics& kinematics) noexcept {
     const std::vector<CollisionShape>& shapes = model->shapes;
     for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -76,7 +93,18 @@ struct Proximity::Impl {
     if (!place(kinematics)) return;
     if (ranges.object >= 0.0) {
       const std::size_t count = std::min(states.size(), objects.size());
-      for (std::size_t j = 0; j < count; ++j) usable[j] = states[j].visible && is_pose(states[j].X_WO) ? 1 : 0;
+      Vector3 centre;
+      double radius = 0.0;
+      enclose(centre, radius);
+      for (std::size_t j = 0; j < count; ++j) {
+        usable[j] = states[j].visible && is_pose(states[j].X_WO) ? 1 : 0;
+        if (usable[j] == 0) continue;
+        fit(j, states[j]);
+        // What the whole robot is out of range of, each of its shapes is.
+        constexpr double kRounding = 1e-6;
+        const double reach = ranges.object + radius + objects[j].radius + kRounding;
+        if ((states[j].X_WO.translation() - centre).squaredNorm() > reach * reach) usable[j] = 0;
+      }
       for (std::size_t i = 0; i < shapes.size(); ++i) {
         for (std::size_t j = 0; j < count; ++j) {
           if (usable[j] == 0) continue;
@@ -147,6 +175,10 @@ bool Proximity::clear(const Kinematics& kinematics, std::span<const ObjectState>
   return none;
 }
 
+void Proximity::fit(std::span<const ObjectState> states) noexcept {
+  for (std::size_t j = 0; j < std::min(states.size(), impl_->objects.size()); ++j) impl_->fit(j, states[j]);
+}
+
 bool Proximity::place(const Kinematics& kinematics) noexcept { return impl_->place(kinematics); }
 
 std::optional<Distance> Proximity::within(PairKind kind, int first, int second, std::span<const ObjectState> states,
@@ -157,6 +189,7 @@ std::optional<Distance> Proximity::within(PairKind kind, int first, int second, 
   const auto b = static_cast<std::size_t>(second);
   if (kind == PairKind::kSelf)
     return impl.within(impl.robot[a], impl.robot_X_WS[a], impl.robot[b], impl.robot_X_WS[b], range);
+  impl.fit(b, states[b]);
   return impl.within(impl.robot[a], impl.robot_X_WS[a], impl.objects[b], states[b].X_WO, range);
 }
 

@@ -31,6 +31,10 @@ struct ObjectState {
   /// Covariances that a tracker states for this measurement. Without them the standard deviations of the controller's
   /// `uncertainty` apply; without `uncertainty` neither does.
   std::optional<ObjectCovariance> covariance = std::nullopt;
+  /// Edge lengths of an object whose shape is a box, if they change; zero: those of its shape. With `seen` false the
+  /// box is space that no sensor has seen yet. A map sets both (map/seen_map.h); they cross no border.
+  Vector3 box = Vector3::Zero();
+  bool seen = true;
 };
 
 /// Objects at most this fast count as at rest [m/s, rad/s].
@@ -94,6 +98,9 @@ class Proximity {
 
   /// True if query() would find nothing; stops at the first pair inside its range.
   bool clear(const Kinematics& kinematics, std::span<const ObjectState> states, const ProximityRanges& ranges) noexcept;
+
+  /// Takes over the sizes of boxes (ObjectState::box), as query(), clear() and within() do.
+  void fit(std::span<const ObjectState> states) noexcept;
 
   /// Does the same for single pairs, with the robot at its last place() or query(). Returns false for an invalid pose;
   /// then no pair has a distance. `second` is as in ProximityPair; objects must be visible and have valid poses.

@@ -184,8 +184,9 @@ void SensorFrames::set_objects(std::span<const Shape> shapes) {
 }
 
 void SensorFrames::look(long k, const Kinematics& robot, std::span<const ObjectState> objects) noexcept {
-  for (One& one : sensors_) {
-    one.due = k % one.every == 0;
+  for (int i = 0; i < count(); ++i) {
+    One& one = sensors_[static_cast<std::size_t>(i)];
+    one.due = is_due(i, k);
     if (one.due) take(one, robot, objects);
   }
 }

@@ -29,6 +29,8 @@ class RayView {
   /// Draws a solid; its rays get `id`.
   void draw(const Shape& shape, const Isometry& X_WS, int id) noexcept;
 
+  const Isometry& pose() const noexcept { return X_WC_; }  ///< of begin()
+  double range() const noexcept { return range_; }
   int columns() const noexcept { return columns_; }
   int rows() const noexcept { return rows_; }
   /// Rays in rows of equal elevation, the lowest first; in each row by increasing azimuth.
@@ -66,12 +68,16 @@ class SensorFrames {
   /// `visible` do not exist here. Allocates nothing.
   void look(long k, const Kinematics& robot, std::span<const ObjectState> objects) noexcept;
 
+  /// True if look() takes a frame of this sensor at step k.
+  bool is_due(int sensor, long k) const noexcept { return k % at(sensor).every == 0; }
   /// True if the last look() took a frame of this sensor; interval(): time between two frames [s].
   bool due(int sensor) const noexcept { return at(sensor).due; }
   double interval(int sensor) const noexcept { return static_cast<double>(at(sensor).every) * dt_; }
   /// Number of rays of the sensor's latest frame that ended on the object; and over all sensors.
   int rays_on(int sensor, std::size_t object) const noexcept { return at(sensor).hits[object]; }
   int rays_on(std::size_t object) const noexcept;
+  /// The sensor's latest frame.
+  const RayView& view(int sensor) const noexcept { return at(sensor).view; }
   /// Position of the sensor in its latest frame.
   const Vector3& place_W(int sensor) const noexcept { return at(sensor).p_W; }
 

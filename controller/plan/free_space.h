@@ -38,7 +38,8 @@ class FreeSpace {
   FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits& limits);
 
   void set_objects(std::span<const ObjectShape> objects);
-  /// Copies the objects' states, as many as set_objects() was given. Moving and invisible objects are left out.
+  /// Copies the objects' states, as many as set_objects() was given. Moving and invisible objects are left out, and
+  /// space that no sensor has seen.
   void set_states(std::span<const ObjectState> states) noexcept;
   std::span<const ObjectState> states() const noexcept { return states_; }
 

@@ -73,12 +73,18 @@ const DamperParams& CollisionRows::damper(PairKind kind) const noexcept {
   return params_.object;
 }
 
-void CollisionRows::select(std::span<const ProximityPair> pairs) noexcept {
+const DamperParams& CollisionRows::damper(const ProximityPair& pair,
+                                          std::span<const ObjectState> states) const noexcept {
+  const bool unseen = pair.kind == PairKind::kObject && !states[static_cast<std::size_t>(pair.second)].seen;
+  return unseen ? unseen_ : damper(pair.kind);
+}
+
+void CollisionRows::select(std::span<const ProximityPair> pairs, std::span<const ObjectState> states) noexcept {
   keys_.clear();
   sorted_.clear();
   left_out_ = 0;
   for (std::size_t i = 0; i < pairs.size() && keys_.size() < keys_.capacity(); ++i) {
-    const DamperParams& p = damper(pairs[i].kind);
+    const DamperParams& p = damper(pairs[i], states);
     const double d = pairs[i].distance.d;
     if (d >= p.influence) continue;
     // A distance that is not a number must not be lost: it comes first, and the solver refuses its row.
@@ -112,14 +118,15 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
     row_.noalias() += J_second_.transpose() * distance.n_W;
   }
   double d = distance.d;
-  if (uncertainty_.on()) {
+  if (uncertainty_.on() && (pair.kind != PairKind::kObject || states[static_cast<std::size_t>(pair.second)].seen)) {
     const auto second = static_cast<std::size_t>(pair.second);
     const bool object = pair.kind == PairKind::kObject;
     d -= uncertainty_.margin(pair, kinematics, row_, object ? &states[second] : nullptr,
                              object && second < spreads.size() ? spreads[second] : PlaceSpread{});
   }
   const bool rests = pair.kind == PairKind::kObject && !in_motion(states[static_cast<std::size_t>(pair.second)]);
-  const DamperParams& row_damper = rests ? resting_ : damper(pair.kind);
+  const bool unseen = pair.kind == PairKind::kObject && !states[static_cast<std::size_t>(pair.second)].seen;
+  const DamperParams& row_damper = unseen ? unseen_ : rests ? resting_ : damper(pair.kind);
   double limit = approach_speed(row_damper, d);
   const double room = d - row_damper.stop;
   if (params_.braking.enabled && room > 0.0) {

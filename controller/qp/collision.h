@@ -35,7 +35,7 @@ class CollisionRows {
   ProximityRanges ranges() const noexcept;
 
   /// Sorts the pairs that are closer than their d_i, nearest first by d - d_s (ties: by index).
-  void select(std::span<const ProximityPair> pairs) noexcept;
+  void select(std::span<const ProximityPair> pairs, std::span<const ObjectState> states) noexcept;
 
   /// Appends the rows of the first max_pairs selected pairs: objects, floor, self. Rows that no motion of the robot
   /// changes (max |n^T J| < 1e-9) are left out and counted. `spreads`: of the objects' positions, empty if they are
@@ -43,6 +43,8 @@ class CollisionRows {
   void add(const Kinematics& kinematics, std::span<const ObjectState> states, std::span<const PlaceSpread> spreads,
            QpProblem& problem) noexcept;
 
+  /// Sets the dampers of space that no sensor has seen (ObjectState::seen).
+  void keep_from_unseen(const DamperParams& unseen) noexcept { unseen_ = unseen; }
   /// Sets the stop distance d_s of objects at rest, at most the configured one [m], and the `rate` of approach xi/(d_i
   /// - d_s), at least the configured one [1/s].
   void keep_from_resting(double stop, double rate) noexcept;
@@ -57,12 +59,14 @@ class CollisionRows {
     int index;
   };
   const DamperParams& damper(PairKind kind) const noexcept;
+  const DamperParams& damper(const ProximityPair& pair, std::span<const ObjectState> states) const noexcept;
   bool fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states,
             std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
 
   const RobotModel* model_;
   CollisionParams params_;
   DamperParams resting_;  // for objects at rest
+  DamperParams unseen_;
   std::vector<Key> keys_;
   std::vector<ProximityPair> sorted_;
   Matrix3X J_first_, J_second_;

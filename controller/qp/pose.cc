@@ -51,6 +51,8 @@ QpPoser::QpPoser(std::shared_ptr<const RobotModel> model, const ControllerParams
       goal_clearance_(*model_),
       stop_(params.collision.object.stop) {
   bounds_.allocate(model_->num_velocities());
+  const UnseenParams& unseen = params.map.unseen;
+  collision_.keep_from_unseen({true, unseen.influence, unseen.stop, params.collision.object.gain});
 }
 
 void QpPoser::set_objects(std::span<const ObjectShape> objects) {
@@ -72,7 +74,7 @@ Near QpPoser::near() const noexcept { return {collision_.sorted(), collision_.ra
 
 Near QpPoser::look(const Situation& now) noexcept {
   enter(now.clock, StepPart::kDistances);
-  collision_.select(proximity_.query(now.kinematics, now.o.objects, collision_.ranges()));
+  collision_.select(proximity_.query(now.kinematics, now.o.objects, collision_.ranges()), now.o.objects);
   return near();
 }
 

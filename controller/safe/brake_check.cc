@@ -285,6 +285,7 @@ double BrakeCheck::distance() noexcept {
 double BrakeCheck::margin_of(const ProximityPair& pair) noexcept {
   if (pair.kind == PairKind::kFloor) return own_.floor - params_.margin;
   if (pair.kind == PairKind::kSelf) return own_.self - params_.margin;
+  if (!states_[static_cast<std::size_t>(pair.second)].seen) return unseen_ - params_.margin;
   if (!uncertainty_.on()) return 0.0;
   const auto second = static_cast<std::size_t>(pair.second);
   kinematics_.point_jacobian(model_->shapes[static_cast<std::size_t>(pair.first)].link, pair.distance.p_first_W, J_);
@@ -369,7 +370,9 @@ double BrakeCheck::apply(const Observation& o, const Allowed& allowed, std::span
   for (std::size_t i = 0; i < states_.size(); ++i) {
     states_[i] = o.objects[i];
     if (!states_[i].V_WO_W.isZero(0.0) || !is_pose(states_[i].X_WO)) states_[i].visible = false;
+    if (states_[i].box.x() > 0.0) radii_[i] = 0.5 * states_[i].box.norm();
   }
+  proximity_.fit(states_);
   widest_ = widest_margin(o);
   begin(o, known);
   double best = clearance(o, command, -kInfinity);

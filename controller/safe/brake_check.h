@@ -48,6 +48,8 @@ class BrakeCheck {
              const OwnMargins& own = {});
 
   bool on() const noexcept { return params_.enabled; }
+  /// Sets the distance kept from space that no sensor has seen (ObjectState::seen) [m].
+  void keep_from_unseen(double margin) noexcept { unseen_ = margin; }
   /// Sets the margin [m].
   void set_margin(double margin) noexcept { params_.margin = margin; }
   /// Sets the time that a command acts before the next one can brake [s], the control period by default, and the shares
@@ -115,6 +117,7 @@ class BrakeCheck {
   std::shared_ptr<const RobotModel> model_;
   BrakeCheckParams params_;
   OwnMargins own_;
+  double unseen_ = 0.0;
   double dt_, hold_;
   Kinematics kinematics_;
   Proximity proximity_;

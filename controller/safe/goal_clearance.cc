@@ -14,7 +14,9 @@ double GoalClearance::least(const Kinematics& kinematics, const Isometry& X_WG, 
   double least = range;
   for (std::size_t k = 0; k < objects.size(); ++k) {
     if (!objects[k].visible || in_motion(objects[k]) || !is_pose(objects[k].X_WO)) continue;
+    if (!objects[k].seen) continue;
     states_[k].X_WO = move * objects[k].X_WO;
+    states_[k].box = objects[k].box;
     for (const int shape : shapes_) {
       const std::optional<Distance> distance =
           proximity.within(PairKind::kObject, shape, static_cast<int>(k), states_, least);

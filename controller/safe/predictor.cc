@@ -82,7 +82,7 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
   reset({});
 }
 
-void Predictor::reset(std::span<const ObjectShape> objects) {
+void Predictor::reset(std::span<const ObjectShape> objects, std::size_t more) {
   object_memory_.set_objects(objects);
   const std::size_t num_objects = objects.size();
   PredictionMemory& m = memory_;
@@ -101,7 +101,7 @@ void Predictor::reset(std::span<const ObjectShape> objects) {
   m.driven.assign(kDrives.size(), Vector3::Zero());
   m.objects.assign(num_objects, PoseTrack{});
   m.goal = {};
-  out_.objects.assign(num_objects, ObjectState{});
+  out_.objects.assign(num_objects + more, ObjectState{});
   out_.qdot.setZero();
   spreads_.assign(uncertainty_.on() ? num_objects : 0, PlaceSpread{});
   ramp_.set_shares({});
@@ -200,7 +200,7 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   }
   predict_velocity();
   for (std::size_t i = 0; i < o.objects.size(); ++i) predict_object(o.objects[i], i);
-  object_memory_.look(o, out_.objects, m.objects);
+  object_memory_.look(o, std::span(out_.objects).first(o.objects.size()), m.objects);
   filter_.measure(o.goal.X_WG, o.goal.V_WG_W, m.goal);
   out_.goal = o.goal;
   out_.goal.X_WG = m.goal.X_W();

@@ -48,8 +48,10 @@ class Predictor {
 
   bool on() const noexcept { return params_.enabled; }
   bool identifies() const noexcept { return params_.enabled && params_.identify; }
-  /// Clears the memory, for these objects.
-  void reset(std::span<const ObjectShape> objects);
+  /// Clears the memory, for these objects and `more` whose states others set.
+  void reset(std::span<const ObjectShape> objects, std::size_t more = 0);
+  /// States of those: they follow the objects in predict().
+  std::span<ObjectState> more() noexcept { return std::span(out_.objects).subspan(memory_.objects.size()); }
 
   /// Returns the state in which this step's command acts. `o` is finite, with the sizes of the robot and reset().
   const Observation& predict(const Observation& o) noexcept;

@@ -166,14 +166,32 @@ void check_plants(const Suite& suite, const Node& root) {
   }
 }
 
-// A robot without sensors would see no object.
-void check_sensors(const Suite& suite, const Node& root) {
+// A robot without sensors would see no object, nor would a controller that is told by depth and makes no map.
+void check_sensors(Suite& suite, const Node& root) {
+  const auto at = [&](const char* key) {
+    const Node* node = root.find(key);
+    return node != nullptr ? node->mark : root.mark;
+  };
   for (const SuitePoint& point : suite.points) {
-    if (point.disturbances.detection.seen_by != SeenBy::kSensors || !point.robot->model->sensors.empty()) continue;
-    const Node* robot = root.find("robot");
-    config::fail(robot != nullptr ? robot->mark : root.mark, "robot",
-                 "has no sensors, and disturbances.objects.seen_by is sensors; give the robot file `sensors`, or take "
-                 "seen_by: rule");
+    const SeenBy by = point.disturbances.detection.seen_by;
+    if (by != SeenBy::kRule && point.robot->model->sensors.empty())
+      config::fail(at("robot"), "robot",
+                   fmt::format("has no sensors, and disturbances.objects.seen_by is {}; give the robot file `sensors`, "
+                               "or take seen_by: rule",
+                               to_string(by)));
+    if (by != SeenBy::kDepth) continue;
+    const MapParams& map = point.controller_params.map;
+    if (point.plugin != nullptr || !map.enabled)
+      config::fail(
+          at("controllers"), "controllers." + point.controller,
+          fmt::format("{}, and disturbances.objects.seen_by is depth: it would know of no object; take seen_by: "
+                      "rule or sensors, or a controller of moma's with `map`",
+                      point.plugin != nullptr ? "is a plugin, which gets no ranges" : "has no `map`"));
+    if (map.unseen.enabled && map.unseen.start > point.worlds.start_room())
+      add_warning(suite.warnings,
+                  fmt::format("controllers.{}: map.unseen.start: space {:g} m about the start counts as free, and "
+                              "worlds.start_room promises {:g} m",
+                              point.controller, map.unseen.start, point.worlds.start_room()));
   }
 }
 

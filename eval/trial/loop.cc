@@ -75,6 +75,7 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
   if (senses_with_errors(disturbances)) {
     sensing_.emplace(disturbances, model_, world_, period_);
     for (ObjectShape& phantom : sensing_->phantoms(world_)) told_.push_back(std::move(phantom));
+    if (disturbances.detection.seen_by == SeenBy::kDepth) told_.clear();
   }
   if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
   r_.control_period = period_;
@@ -136,6 +137,10 @@ bool TrialLoop::sense() {
 void TrialLoop::look() {
   truth(observation_);
   if (sensing_) sensing_->sense(k_, observation_);
+}
+
+void TrialLoop::show(StepController& controller) {
+  if (sensing_) sensing_->show(controller);
 }
 
 void TrialLoop::look_last() {
@@ -377,6 +382,7 @@ TrialRow run_loop(const TrialSpec& spec, const World& world, Plant& plant, StepC
   controller.reset(loop.objects());
   controller.prepare(loop.answer());
   while (loop.sense()) {
+    loop.show(controller);
     enter(profile, TrialPart::kController);
     const Clock::time_point before = Clock::now();
     controller.step(loop.seen(), loop.answer());

@@ -41,13 +41,16 @@ class TrialLoop {
   TrialLoop(const TrialLoop&) = delete;
   TrialLoop& operator=(const TrialLoop&) = delete;
 
-  /// The objects that a controller knows at the start of the motion: the world's objects, then false ones.
+  /// The objects that a controller knows at the start of the motion: the world's objects, then false ones; none if it
+  /// is told by depth.
   std::span<const ObjectShape> objects() const noexcept { return told_; }
   /// Measures the state at the next sample. False if the trial has ended; otherwise a command is due.
   bool sense();
   /// Once after sense() was false: updates seen() to the state in which the trial ended, if that is finite.
   void look_last();
   const Observation& seen() const noexcept { return observation_; }
+  /// Hands over the sensors' frames that have arrived (StepController::see), before a step.
+  void show(StepController& controller);
   /// The true state at the same sample, with the world's objects alone.
   void truth(Observation& out) const;
   /// The answer to fill before act(); the controller's prepare() sizes its vectors.

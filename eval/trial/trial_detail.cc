@@ -49,6 +49,8 @@ class Witness final : public StepController {
 ControlCase case_of_step(const TrialSpec& spec, const World& world, long k) {
   if (spec.plugin != nullptr)
     throw std::invalid_argument("a plugin's steps have no cases: what it remembers is its own");
+  if (spec.disturbances.detection.seen_by == SeenBy::kDepth)
+    throw std::invalid_argument("a step that is told by depth has no case: its map is not written");
   ControlCase out;
   out.robot = *spec.robot;
   out.controller = told_params(spec);
@@ -85,6 +87,7 @@ class RowWitness final : public StepController {
     for (const std::string& object : controller_.object_names()) out_.names.push_back(object);
     out_.names.emplace_back("floor");
   }
+  void see(const DepthFrame& frame) noexcept override { controller_.see(frame); }
   void step(const Observation& observation, StepResult& result) noexcept override {
     controller_.step(observation, result);
     if (controller_.params().method == Method::kQp && result.status != StepStatus::kInvalidInput)

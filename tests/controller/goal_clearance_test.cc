@@ -137,7 +137,7 @@ TEST(GoalClearance, PathsMayComeNearAtARateOfTheirOwn) {
   for (const double rate : {0.0, 1.0, 15.0}) {
     problem.rows = 0;
     rows.keep_from_resting(kStop, rate);
-    rows.select(proximity.query(kinematics, grasp.scene.states, rows.ranges()));
+    rows.select(proximity.query(kinematics, grasp.scene.states, rows.ranges()), grasp.scene.states);
     rows.add(kinematics, grasp.scene.states, {}, problem);
     ASSERT_GT(problem.rows, 0);
     const double own = 0.6 / (0.3 - kStop);

@@ -282,6 +282,8 @@ std::vector<std::pair<std::string, double>> Worlds::shares() const {
 
 double Worlds::clearance() const { return data_->making.clearance; }
 
+double Worlds::start_room() const { return data_->making.start_room; }
+
 std::uint64_t Worlds::seed() const {
   if (const auto* frozen = std::get_if<Frozen>(&data_->source)) return frozen->front().seed;
   return data_->making.seed;

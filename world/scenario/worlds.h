@@ -43,6 +43,8 @@ class Worlds {
   /// Returns the families' shares of the worlds, which sum to 1; empty if worlds are not drawn by families.
   std::vector<std::pair<std::string, double>> shares() const;
   double clearance() const;
+  /// Distance from the robot's first place in which nothing stands [m]; 0 for worlds from files.
+  double start_room() const;
   std::uint64_t seed() const;
   /// Number of worlds of a frozen set; -1 if unlimited.
   long long size() const;

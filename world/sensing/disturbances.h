@@ -232,8 +232,25 @@ constexpr void describe(auto& v, Of<FalseDetections>) {
 
 /// Criterion of visibility. kRule: the rule below for one sensor that is not part of the robot file. kSensors: rays of
 /// the robot's own sensors that end on the object.
-enum class SeenBy { kRule, kSensors };
-constexpr auto words(Of<SeenBy>) { return std::to_array<std::string_view>({"rule", "sensors"}); }
+enum class SeenBy { kRule, kSensors, kDepth };
+constexpr auto words(Of<SeenBy>) { return std::to_array<std::string_view>({"rule", "sensors", "depth"}); }
+
+/// Errors of the ranges of the robot's sensors: their standard deviation at the range r is noise + growth r^2
+/// (Khoshelham & Elberink, Sensors 12(2), 2012, for the square).
+struct RangeErrors {
+  double noise = 0.0;    ///< [m]
+  double growth = 0.0;   ///< [1/m]
+  double missing = 0.0;  ///< probability that a ray has no measurement [1]
+  bool operator==(const RangeErrors&) const = default;
+};
+
+constexpr void describe(auto& v, Of<RangeErrors>) {
+  using namespace disturbed;
+  using T = RangeErrors;
+  v.member("noise", &T::noise, about("m", kSpread, "noise of a range close by, per ray and frame"));
+  v.member("growth", &T::growth, about("1/m", kSpread, "growth of that noise with the square of the range"));
+  v.member("missing", &T::missing, about("1", kGain, "probability that a ray has no measurement"));
+}
 
 enum class SensorMount { kBase, kHand };
 constexpr auto words(Of<SensorMount>) { return std::to_array<std::string_view>({"base", "hand"}); }
@@ -253,14 +270,18 @@ struct DetectionRule {
   MissedDetections missed{};
   FalseDetections phantoms{};
   SeenBy seen_by = SeenBy::kRule;
+  RangeErrors ranges{};
   bool operator==(const DetectionRule&) const = default;
 };
 
 constexpr void describe(auto& v, Of<DetectionRule>) {
   using namespace disturbed;
   using T = DetectionRule;
-  v.member("seen_by", &T::seen_by,
-           about("rule: within `range` of `sensor`; sensors: rays of the robot file's sensors end on the object"));
+  v.member(
+      "seen_by", &T::seen_by,
+      about("rule: within `range` of `sensor`; sensors: rays of the robot file's sensors end on the object; depth: "
+            "no object is told, the controller gets the sensors' ranges"));
+  v.member("ranges", &T::ranges, about("errors of these ranges"));
   v.member("range", &T::range, about("m", Range::non_negative_or_inf(), "range from `sensor` to the object's surface"));
   v.member("detection", &T::detection,
            about("s", {0.0, 3600.0}, "time in range, without a break, after which an object is found"));

@@ -69,6 +69,10 @@ Sensing::Sensing(const Disturbances& disturbances, const RobotModel& model, cons
   }
   for (std::size_t i = 0; i < world.objects.size(); ++i) object_bias_.push_back(draw_bias(config_.objects, kObject, i));
   goal_bias_ = draw_bias(config_.goal, kGoal, 0);
+  if (disturbances.detection.seen_by != SeenBy::kDepth) return;
+  std::vector<Shape> shapes;
+  for (const WorldObject& object : world.objects) shapes.push_back(object.shape);
+  depth_.emplace(disturbances, model, shapes, streams_, control_period);
 }
 
 Sensing::PoseBias Sensing::draw_bias(const PoseSensing& config, const PoseSources& sources, std::size_t object) const {
@@ -78,7 +82,11 @@ Sensing::PoseBias Sensing::draw_bias(const PoseSensing& config, const PoseSource
 
 void Sensing::sense(long k, Observation& seen) {
   true_base_ = seen.base;
-  if (detection_.on())
+  if (depth_) {
+    depth_->sense(k, true_base_, seen.q, seen.objects);
+    seen.objects.clear();
+  }
+  if (detection_.on() && !depth_)
     detection_.update(k, true_base_, seen.q, seen.objects);
   else if (config_.objects.noise_growth > 0.0 || config_.goal.noise_growth > 0.0)
     detection_.place(true_base_, seen.q);
@@ -95,7 +103,7 @@ void Sensing::sense(long k, Observation& seen) {
     }
   }
   measure_pose(config_.goal, kGoal, goal_bias_, k, 0, seen.goal.X_WG, seen.goal.V_WG_W);
-  if (phantoms_.count() > 0) phantoms_.append(k, true_base_, seen.objects);
+  if (phantoms_.count() > 0 && !depth_) phantoms_.append(k, true_base_, seen.objects);
   late(k, seen);
 }
 
@@ -176,7 +184,7 @@ void Sensing::late(long k, Observation& seen) {
   seen.qdot.tail(seen.q.size()) = joints_.qdot;
   seen.base = base_.pose;
   seen.qdot.head(base_dof_) = base_.velocity.head(base_dof_);
-  late_objects_.pass(k, seen.objects, draws(kObjectArrival));
+  if (!depth_) late_objects_.pass(k, seen.objects, draws(kObjectArrival));
   late_goal_.pass(k, seen.goal, draws(kGoalArrival));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "controller/step.h"
 #include "world/plant/plant.h"
 #include "world/sensing/delay_line.h"
+#include "world/sensing/depth.h"
 #include "world/sensing/detection.h"
 #include "world/sensing/disturbances.h"
 #include "world/sensing/odometry.h"
@@ -49,6 +51,10 @@ class Sensing {
   /// an invisible object only `visible` changes. Appends phantoms to its objects. Allocates only if `seen` has no
   /// capacity for these.
   void sense(long k, Observation& seen);
+  /// Hands over frames that have arrived (SeenBy::kDepth): then no object is told.
+  void show(StepController& controller) {
+    if (depth_) depth_->show(controller);
+  }
 
  private:
   struct JointReading {
@@ -81,6 +87,7 @@ class Sensing {
   Odometry odometry_;
   Detection detection_;
   Phantoms phantoms_;
+  std::optional<DepthSensing> depth_;
   VectorX joint_bias_;
   Vector3 base_bias_ = Vector3::Zero();
   std::vector<PoseBias> object_bias_;

@@ -53,7 +53,9 @@ enum class DisturbanceSource : std::uint64_t {
   kObjectMissed = 39,
   kPhantom = 40,
   kOdometrySlip = 41,
-  kMissedTick = 42
+  kMissedTick = 42,
+  kDepthNoise = 43,
+  kDepthArrival = 44
 };
 
 /// The draws of a trial's disturbances: a pure function of (the world's seed and index, `seed`, source, control step,

@@ -1,0 +1,81 @@
+#pragma once
+
+#include "controller/describe/describe.h"
+#include "controller/describe/range.h"
+
+namespace moma {
+
+/// Log-odds of occupancy for a hit and for a ray that passes, and their bounds: the defaults are those of Hornung, Wurm,
+/// Bennewitz, Stachniss & Burgard, "OctoMap", Autonomous Robots 34, 2013, section 5. Kept in steps of 0.05.
+struct EvidenceParams {
+  double hit = 0.85;
+  double pass = 0.4;
+  double least = 2.0;  ///< lower bound, sign changed
+  double most = 3.5;
+};
+
+constexpr void describe(auto& v, Of<EvidenceParams>) {
+  using T = EvidenceParams;
+  constexpr Range kLogOdds{0.05, 6.0};
+  v.member("hit", &T::hit, in_range(kLogOdds, "1", "log-odds that a ray's end adds to its cell"));
+  v.member("pass", &T::pass, in_range(kLogOdds, "1", "log-odds that a passing ray takes from a cell"));
+  v.member("least", &T::least, in_range(kLogOdds, "1", "lower bound of a cell's log-odds, sign changed"));
+  v.member("most", &T::most, in_range(kLogOdds, "1", "upper bound of a cell's log-odds"));
+}
+
+/// Space that no sensor has seen: the robot stops in front of it, and plans go through it.
+struct UnseenParams {
+  bool enabled = false;
+  double start = 0.4;       ///< distance from the robot's first place up to which space counts as free [m]
+  double influence = 0.15;  ///< distance below which a pair has a row [m]
+  double stop = 0.0;        ///< stop distance of these rows [m]
+  double margin = 0.0;      ///< distance kept on the braking trajectory [m]
+  double range = 0.7;       ///< distance from the base up to which unseen space counts [m]
+  int boxes = 96;           ///< most boxes
+};
+
+constexpr void describe(auto& v, Of<UnseenParams>) {
+  using T = UnseenParams;
+  v.member("start", &T::start,
+           non_negative("m", "distance from the robot's first place up to which space counts as free"));
+  v.member("influence", &T::influence, positive("m", "distance below which unseen space has a row"));
+  v.member("stop", &T::stop, non_negative("m", "stop distance of these rows"));
+  v.member("margin", &T::margin, non_negative("m", "distance kept on the braking trajectory"));
+  v.member("range", &T::range, positive("m", "distance from the robot up to which unseen space counts"));
+  v.member("boxes", &T::boxes, in_range({1.0, 1000.0}, "", "number of boxes, the nearest ones"));
+}
+
+/// Map of the space around the robot from its sensors' ranges (map/seen_map.h).
+struct MapParams {
+  bool enabled = false;
+  double cell = 0.05;   ///< edge of a cell [m]
+  double window = 6.4;  ///< horizontal edge of the mapped window, which moves with the base [m]
+  double height = 2.0;  ///< of the window, above the floor [m]
+  double floor = 0.04;  ///< lower points are the floor's [m]
+  double own = 0.05;    ///< points this near to the robot's shapes are its own [m]
+  int rays = 5000;      ///< per control step; a frame that has begun ends
+  double reach = 2.5;   ///< horizontal distance from the base up to which occupied space counts [m]
+  int boxes = 256;      ///< most boxes of occupied space
+  double inset = 0.0;   ///< the boxes' faces lie this far inside their outer cells [m]
+  EvidenceParams evidence;
+  UnseenParams unseen;
+};
+
+constexpr void describe(auto& v, Of<MapParams>) {
+  using T = MapParams;
+  v.member("cell", &T::cell, in_range({0.01, 1.0}, "m", "edge of a cell"));
+  v.member("window", &T::window, in_range({1.0, 30.0}, "m", "horizontal edge of the mapped window about the base"));
+  v.member("height", &T::height, in_range({0.1, 10.0}, "m", "height of the mapped window above the floor"));
+  v.member("floor", &T::floor, non_negative("m", "height below which points are the floor's"));
+  v.member("own", &T::own, non_negative("m", "distance from the robot's shapes up to which points are its own"));
+  v.member("rays", &T::rays,
+           in_range({1.0, 1e6}, "", "rays that a control step takes; a frame that has begun is taken to its end"));
+  v.member("reach", &T::reach, positive("m", "horizontal distance from the base up to which occupied space counts"));
+  v.member("boxes", &T::boxes, in_range({1.0, 5000.0}, "", "number of boxes of occupied space, the nearest ones"));
+  v.member("inset", &T::inset, non_negative("m", "distance of the boxes' faces inside the outer faces of their cells"));
+  v.member("evidence", &T::evidence, {.written = Written::kUnlessDefault, .text = "log-odds of hits and passing rays"});
+  v.optional("unseen", &T::unseen, &UnseenParams::enabled, Off::kOmitted,
+             "the robot stops in front of space that no sensor has seen");
+}
+
+}  // namespace moma

@@ -1,0 +1,248 @@
+#include "controller/map/seen_map.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "controller/model/analytic_distance.h"
+#include "controller/model/sensor_frames.h"
+
+namespace moma {
+namespace {
+
+constexpr std::size_t kMoments = 128;    // remembered steps
+constexpr std::size_t kMostFound = 4096;  // boxes among which the nearest are chosen
+constexpr double kThinnest = 0.01;        // edge of a box [m]
+constexpr double kOften = 0.3;            // boxes are made anew after this time, or where they miss a new cell [s]
+constexpr int kLevels = 3;                // of rays that begin at the sensor, further from it, ...
+
+}  // namespace
+
+SeenMap::SeenMap(std::shared_ptr<const RobotModel> model, const MapParams& params, double base_age, double joint_age)
+    : model_(std::move(model)),
+      params_(params),
+      base_age_(base_age),
+      joint_age_(joint_age),
+      map_(params.enabled ? params : MapParams{.window = 1.0, .height = 0.1}),
+      robot_(model_) {
+  reset();
+}
+
+void SeenMap::append_shapes(std::vector<ObjectShape>& objects) const {
+  const double longest = OccupancyMap::kLongest * params_.cell;
+  for (std::size_t i = 0; i < count(); ++i) {
+    const bool seen = i < static_cast<std::size_t>(params_.boxes);
+    objects.push_back({(seen ? "map" : "unseen") + std::to_string(i),
+                       {ShapeKind::kBox, Vector3::Constant(longest), nullptr}});
+  }
+}
+
+void SeenMap::reset() {
+  if (!on()) return;
+  begun_ = false;
+  logged_ = 0;
+  left_out_ = 0;
+  sensors_.clear();
+  for (const MountedSensor& mounted : model_->sensors) {
+    Waiting& sensor = sensors_.emplace_back();
+    sensor.mounted = &mounted;
+    sensor.directions_C = RayView(mounted.sensor).directions_C();
+    sensor.frame.ranges = VectorX::Zero(static_cast<Eigen::Index>(sensor.directions_C.size()));
+  }
+  const Moment none{.q = VectorX::Zero(model_->num_joints())};
+  base_log_.assign(kMoments, none);
+  joint_log_.assign(kMoments, none);
+  boxes_.clear();
+  boxes_.reserve(kMostFound);
+  order_.reserve(kMostFound);
+  chosen_.clear();
+  chosen_.reserve(static_cast<std::size_t>(std::max(params_.boxes, params_.unseen.boxes)));
+  ObjectState hidden;
+  hidden.visible = false;
+  states_.assign(static_cast<std::size_t>(params_.boxes + (params_.unseen.enabled ? params_.unseen.boxes : 0)), hidden);
+  shapes_X_WS_.assign(model_->shapes.size(), Isometry::Identity());
+  shapes_X_SW_ = shapes_X_WS_;
+  map_.clear(0.0, 0.0);
+}
+
+void SeenMap::see(const DepthFrame& frame) noexcept {
+  if (!on() || frame.sensor < 0 || frame.sensor >= static_cast<int>(sensors_.size())) return;
+  Waiting& sensor = sensors_[static_cast<std::size_t>(frame.sensor)];
+  if (frame.ranges.size() != sensor.frame.ranges.size() || !std::isfinite(frame.time)) return;
+  sensor.frame = frame;
+  sensor.waits = true;
+}
+
+bool SeenMap::waits() const noexcept {
+  return std::any_of(sensors_.begin(), sensors_.end(), [](const Waiting& s) { return s.waits && !s.had; });
+}
+
+void SeenMap::observe(const Observation& o) noexcept {
+  if (!on()) return;
+  Moment& moment = base_log_[logged_ % kMoments];
+  moment.time = o.time - base_age_;
+  moment.base = o.base;
+  Moment& joints = joint_log_[logged_ % kMoments];
+  joints.time = o.time - joint_age_;
+  joints.q = o.q;
+  ++logged_;
+  if (std::none_of(sensors_.begin(), sensors_.end(), [](const Waiting& s) { return s.waits; })) return;
+  if (!begun_) {
+    begun_ = true;
+    made_at_ = -kNever;
+    map_.centre(o.base.x(), o.base.y());
+    place_robot(o.base, o.q);
+    if (params_.unseen.enabled) free_own(params_.unseen.start, false);
+  }
+  bool anew = map_.centre(o.base.x(), o.base.y()) || o.time - made_at_ >= kOften;
+  for (long rays = 0; rays < params_.rays;) {
+    Waiting* first = nullptr;
+    for (Waiting& sensor : sensors_)
+      if (sensor.waits && (first == nullptr || sensor.frame.time < first->frame.time)) first = &sensor;
+    if (first == nullptr) break;
+    take(*first);
+    rays += first->frame.ranges.size();
+  }
+  place_robot(o.base, o.q);
+  free_own(params_.own, true);
+  const CellBox around = region(o.base, params_.reach);
+  if (!map_.covers_fresh(chosen_, around)) anew = true;
+  if (!anew) return;
+  made_at_ = o.time;
+  make_boxes(o.base);
+}
+
+void SeenMap::place_robot(const Vector3& base, const VectorX& q) noexcept {
+  robot_.place(base, q);
+  Vector3 low = Vector3::Constant(kNever), high = -low;
+  for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) {
+    shapes_X_WS_[i] = robot_.X_WS(model_->shapes[i]);
+    shapes_X_SW_[i] = shapes_X_WS_[i].inverse(Eigen::Isometry);
+    const Vector3 around = Vector3::Constant(bounding_radius(model_->shapes[i].shape));
+    low = low.cwiseMin(shapes_X_WS_[i].translation() - around);
+    high = high.cwiseMax(shapes_X_WS_[i].translation() + around);
+  }
+  middle_W_ = 0.5 * (low + high);
+  radius_ = 0.5 * (high - low).norm();
+}
+
+bool SeenMap::own(const Vector3& p_W) const noexcept {
+  if ((p_W - middle_W_).squaredNorm() > (radius_ + params_.own) * (radius_ + params_.own)) return false;
+  for (std::size_t i = 0; i < shapes_X_SW_.size(); ++i)
+    if (point_gap(model_->shapes[i].shape, shapes_X_SW_[i] * p_W) <= params_.own) return true;
+  return false;
+}
+
+void SeenMap::take(Waiting& sensor) noexcept {
+  sensor.waits = false;
+  sensor.had = true;
+  const auto nearest = [&](const std::vector<Moment>& log) -> const Moment& {
+    return *std::min_element(log.begin(), log.end(), [&](const Moment& a, const Moment& b) {
+      return std::abs(a.time - sensor.frame.time) < std::abs(b.time - sensor.frame.time);
+    });
+  };
+  place_robot(nearest(base_log_).base, nearest(joint_log_).q);
+  const Isometry X_WC = robot_.X_WL(sensor.mounted->link) * sensor.mounted->X_LC;
+  const Vector3 from = X_WC.translation();
+  const double range = sensor.mounted->sensor.range;
+  if (!is_pose(X_WC)) return;
+  map_.begin();
+  VectorX& ranges = sensor.frame.ranges;
+  for (Eigen::Index i = 0; i < ranges.size(); ++i) {
+    const double r = ranges[i];
+    if (!(r > 0.0) || r > range) continue;
+    const Vector3 p = from + r * (X_WC.linear() * sensor.directions_C[static_cast<std::size_t>(i)]);
+    if (own(p))
+      ranges[i] = 0.0;
+    else if (p.z() > params_.floor)
+      map_.hit(p);
+  }
+  // Near the sensor a part of the rays passes every cell: a ray begins where those of the next level are a cell apart.
+  const Sensor& s = sensor.mounted->sensor;
+  const double apart = std::max(s.field_of_view[0] / s.columns, s.field_of_view[1] / s.rows);
+  for (Eigen::Index i = 0; i < ranges.size(); ++i) {
+    const double r = std::min(ranges[i], range);
+    if (!(r > 0.0)) continue;
+    const auto place = static_cast<int>(i);
+    const auto both = static_cast<unsigned>(place / s.columns | place % s.columns);
+    const int level = std::min(kLevels, std::countr_zero(both));
+    const double begins = level == kLevels ? 0.0 : map_.cell() / (apart * (2 << level));
+    if (begins >= r) continue;
+    const Vector3 along = X_WC.linear() * sensor.directions_C[static_cast<std::size_t>(i)];
+    map_.pass(from + begins * along, from + r * along);
+  }
+}
+
+// Cells within `margin` of the robot's shapes are free.
+void SeenMap::free_own(double margin, bool surely) noexcept {
+  const Vector3 half = Vector3::Constant(0.5 * map_.cell());
+  for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) {
+    const Shape& shape = model_->shapes[i].shape;
+    Vector3 low, high;
+    for (int axis = 0; axis < 3; ++axis) {
+      high[axis] = extent_along(shape, shapes_X_WS_[i], Vector3::Unit(axis)) + margin;
+      low[axis] = -extent_along(shape, shapes_X_WS_[i], -Vector3::Unit(axis)) - margin;
+    }
+    const Eigen::Vector3i first = map_.cell_of(low).cwiseMax(0), last = map_.cell_of(high).cwiseMin(map_.cells());
+    Eigen::Vector3i c;
+    for (c.x() = first.x(); c.x() <= last.x(); ++c.x())
+      for (c.y() = first.y(); c.y() <= last.y(); ++c.y())
+        for (c.z() = first.z(); c.z() <= last.z(); ++c.z())
+          if (point_gap(shape, shapes_X_SW_[i] * (map_.low_corner(c) + half)) <= margin) map_.take_for_free(c, surely);
+  }
+}
+
+CellBox SeenMap::region(const Vector3& base, double reach) const noexcept {
+  const Vector3 at(base.x(), base.y(), 0.0);
+  CellBox out{map_.cell_of(at - Vector3(reach, reach, 0.0)), map_.cell_of(at + Vector3(reach, reach, 0.0))};
+  out.high.array() += 1;
+  out.low.z() = 0;
+  out.high.z() = map_.cells().z();
+  return out;
+}
+
+void SeenMap::make_boxes(const Vector3& base) noexcept {
+  const std::span<ObjectState> all(states_);
+  const auto seen = static_cast<std::size_t>(params_.boxes);
+  if (params_.unseen.enabled) {
+    // Above the robot nothing is asked of unseen space.
+    CellBox around = region(base, params_.unseen.range);
+    around.high.z() = std::min(around.high.z(), map_.cell_of(middle_W_ + Vector3::Constant(radius_)).z());
+    map_.cover(OccupancyMap::Kind::kUnseen, around, boxes_);
+    fill(all.subspan(seen), middle_W_, 0.0);
+    for (ObjectState& state : all.subspan(seen)) state.seen = false;
+  }
+  map_.cover(OccupancyMap::Kind::kOccupied, region(base, params_.reach), boxes_);
+  left_out_ = 0;
+  fill(all.first(seen), {base.x(), base.y(), 0.0}, params_.inset);
+}
+
+// The nearest boxes to `middle` become objects, in the order in which they were found.
+void SeenMap::fill(std::span<ObjectState> states, const Vector3& middle, double inset) noexcept {
+  const auto low = [&](const CellBox& box) -> Vector3 { return map_.low_corner(box.low).array() + inset; };
+  const auto high = [&](const CellBox& box) -> Vector3 { return map_.low_corner(box.high).array() - inset; };
+  order_.clear();
+  for (std::size_t i = 0; i < boxes_.size(); ++i) {
+    const Vector3 nearest = middle.cwiseMax(low(boxes_[i])).cwiseMin(high(boxes_[i]));
+    order_.emplace_back((nearest - middle).head<2>().squaredNorm(), static_cast<int>(i));
+  }
+  if (order_.size() > states.size()) {
+    left_out_ += static_cast<int>(order_.size() - states.size());
+    std::nth_element(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(states.size()), order_.end());
+    order_.resize(states.size());
+  }
+  std::sort(order_.begin(), order_.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  chosen_.clear();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    states[i].visible = i < order_.size();
+    if (!states[i].visible) continue;
+    const CellBox& box = boxes_[static_cast<std::size_t>(order_[i].second)];
+    chosen_.push_back(box);
+    states[i].X_WO.translation() = 0.5 * (low(box) + high(box));
+    states[i].box = (high(box) - low(box)).cwiseMax(kThinnest);
+  }
+}
+
+}  // namespace moma

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "controller/map/occupancy_map.h"
+#include "controller/model/kinematics.h"
+#include "controller/model/proximity.h"
+#include "controller/step.h"
+
+namespace moma {
+
+/// A map of the robot's surroundings from its sensors' frames, in the axes of the measured base pose. The rest of the
+/// controller gets it as objects: boxes at rest that cover the occupied cells near the robot, and boxes with
+/// ObjectState::seen false that cover the unseen ones next to it. A fixed number of objects has them, so that whatever
+/// asks for distances to objects asks the map as well.
+///
+/// A frame counts from where the robot was when it was taken, by the measurements of that time. Points on the robot
+/// itself are left out, and where the robot is, is free. Each step takes frames until MapParams::rays are used up, in
+/// the order of their time; the newest frame of a sensor replaces one that waits. Only reset() allocates.
+class SeenMap {
+ public:
+  /// `base_age`, `joint_age`: age of the measurements of base and joints [s].
+  SeenMap(std::shared_ptr<const RobotModel> model, const MapParams& params, double base_age, double joint_age);
+
+  bool on() const noexcept { return params_.enabled; }
+  /// Number of objects that the map has for its boxes.
+  std::size_t count() const noexcept { return on() ? states_.size() : 0; }
+  /// Their shapes, after the objects that are told. Allocates.
+  void append_shapes(std::vector<ObjectShape>& objects) const;
+
+  void reset();
+  void see(const DepthFrame& frame) noexcept;
+  /// Takes the measured state of a step and works on frames.
+  void observe(const Observation& o) noexcept;
+  /// True until each sensor that sends frames has had one in the map.
+  bool waits() const noexcept;
+  /// The boxes, as many as count().
+  std::span<const ObjectState> states() const noexcept { return states_; }
+  const OccupancyMap& map() const noexcept { return map_; }
+  /// Number of boxes of occupied space that found no place among them, of the last step that made boxes.
+  int left_out() const noexcept { return left_out_; }
+
+ private:
+  struct Waiting {
+    const MountedSensor* mounted;
+    std::vector<Vector3> directions_C;
+    DepthFrame frame;
+    bool waits = false, had = false;
+  };
+  struct Moment {
+    double time = -kNever;
+    Vector3 base = Vector3::Zero();
+    VectorX q;
+  };
+  static constexpr double kNever = 1e9;
+
+  void take(Waiting& sensor) noexcept;
+  bool own(const Vector3& p_W) const noexcept;
+  void free_own(double margin, bool surely) noexcept;
+  void place_robot(const Vector3& base, const VectorX& q) noexcept;
+  CellBox region(const Vector3& base, double reach) const noexcept;
+  void make_boxes(const Vector3& base) noexcept;
+  void fill(std::span<ObjectState> states, const Vector3& middle, double inset) noexcept;
+
+  std::shared_ptr<const RobotModel> model_;
+  MapParams params_;
+  double base_age_, joint_age_;
+  OccupancyMap map_;
+  Kinematics robot_;
+  std::vector<Isometry, Eigen::aligned_allocator<Isometry>> shapes_X_WS_, shapes_X_SW_;
+  Vector3 middle_W_ = Vector3::Zero();  // of the robot's bounding ball
+  double radius_ = 0.0;
+  std::vector<Waiting> sensors_;
+  std::vector<Moment> base_log_, joint_log_;  // rings
+  std::size_t logged_ = 0;
+  std::vector<CellBox> boxes_, chosen_;  // chosen_: those of occupied space that became objects
+  double made_at_ = -kNever;             // time of the last boxes [s]
+  std::vector<std::pair<double, int>> order_;
+  std::vector<ObjectState> states_;
+  bool begun_ = false;
+  int left_out_ = 0;
+};
+
+}  // namespace moma

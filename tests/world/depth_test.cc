@@ -1,0 +1,316 @@
+// Told by depth alone: frames against the distance of each ray, their errors and lateness, the map that the controller makes
+// of them, and a step that takes no memory.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "controller/config/controller_file.h"
+#include "controller/controller_core.h"
+#include "tests/support/no_alloc.h"
+#include "tests/support/robots.h"
+#include "tests/world/support.h"
+#include "world/sensing/depth.h"
+
+namespace moma::test {
+namespace {
+
+constexpr double kStep = 0.02;
+
+const std::shared_ptr<const RobotModel>& robot_with_cameras() {
+  static const std::shared_ptr<const RobotModel> model = load_model("configs/robots/frankie_cameras.yaml");
+  return model;
+}
+
+World room() {
+  World world;
+  world.objects = {solid("box", ShapeKind::kBox, {0.3, 0.4, 1.0}, {1.4, 0.2, 0.5}),
+                   solid("ball", ShapeKind::kSphere, {0.15, 0, 0}, {-0.5, 1.2, 0.6}),
+                   solid("post", ShapeKind::kCylinder, {0.06, 1.4, 0}, {-1.3, -0.6, 0.7})};
+  return world;
+}
+
+std::vector<ObjectState> states_of(const World& world) {
+  std::vector<ObjectState> states(world.objects.size());
+  object_states(world, 0.0, states);
+  return states;
+}
+
+/// Takes all frames, or only counts them.
+struct Witness final : StepController {
+  void reset(std::span<const ObjectShape>) override {}
+  void step(const Observation&, StepResult&) noexcept override {}
+  void prepare(StepResult&) const override {}
+  void see(const DepthFrame& frame) noexcept override { frames.push_back(frame); }
+  std::vector<DepthFrame> frames;
+};
+
+/// A robot that stands among the room's objects, its sensors, and what is made of them.
+struct Rig {
+  explicit Rig(const Disturbances& disturbances = {}, const World& world = room())
+      : states(states_of(world)), q(robot_with_cameras()->ready) {
+    std::vector<Shape> shapes;
+    for (const WorldObject& object : world.objects) shapes.push_back(object.shape);
+    sensing.emplace(disturbances, *robot_with_cameras(), shapes, DisturbanceStreams(world, 0), kStep);
+  }
+  std::vector<DepthFrame> frames(long k) {
+    sensing->sense(k, base, q, states);
+    Witness witness;
+    sensing->show(witness);
+    return witness.frames;
+  }
+  Vector3 base = Vector3::Zero();
+  std::vector<ObjectState> states;
+  VectorX q;
+  std::optional<DepthSensing> sensing;
+};
+
+TEST(DepthSensing, ARayEndsOnTheNearestOfObjectsRobotAndFloor) {
+  const World world = room();
+  const RobotModel& model = *robot_with_cameras();
+  Rig rig({}, world);
+  Kinematics kinematics(robot_with_cameras());
+  kinematics.place(rig.base, rig.q);
+  const std::vector<DepthFrame> frames = rig.frames(0);
+  ASSERT_EQ(frames.size(), model.sensors.size());
+  std::map<int, int> ends;
+  for (const DepthFrame& frame : frames) {
+    EXPECT_EQ(frame.time, 0.0);
+    const MountedSensor& mounted = model.sensors[static_cast<std::size_t>(frame.sensor)];
+    const Isometry X_WC = kinematics.X_WL(mounted.link) * mounted.X_LC;
+    const std::vector<Vector3> rays = RayView(mounted.sensor).directions_C();
+    ASSERT_EQ(frame.ranges.size(), static_cast<Eigen::Index>(rays.size()));
+    for (std::size_t i = 0; i < rays.size(); i += 7) {
+      const Vector3 u = X_WC.linear() * rays[i], from = X_WC.translation();
+      double wanted = u.z() < 0.0 ? -from.z() / u.z() : kInfinity;
+      int end = wanted <= mounted.sensor.range ? 1 : 0;
+      const auto meet = [&](const Shape& shape, const Isometry& X_WS, int what) {
+        const double r = ray_distance(shape, X_WS.inverse() * from, X_WS.linear().transpose() * u);
+        if (r < wanted) end = r <= mounted.sensor.range ? what : 0;
+        wanted = std::min(wanted, r);
+      };
+      for (std::size_t o = 0; o < world.objects.size(); ++o) meet(world.objects[o].shape, rig.states[o].X_WO, 2);
+      for (const CollisionShape& shape : model.shapes) meet(shape.shape, kinematics.X_WS(shape), 3);
+      if (wanted > mounted.sensor.range) wanted = kInfinity;
+      ++ends[end];
+      const double found = frame.ranges[static_cast<Eigen::Index>(i)];
+      if (wanted == kInfinity) {
+        EXPECT_EQ(found, kInfinity);
+      } else {
+        EXPECT_NEAR(found, wanted, 1e-9);
+      }
+    }
+  }
+  for (const int end : {0, 1, 2, 3}) EXPECT_GT(ends[end], 20) << "nothing, floor, objects, robot: " << end;
+}
+
+TEST(DepthSensing, RangesHaveTheErrorsThatAreAskedFor) {
+  Disturbances d;
+  d.detection.ranges = {0.002, 0.003, 0.1};
+  Rig exact, noisy(d), again(d);
+  const std::vector<DepthFrame> right = exact.frames(0), wrong = noisy.frames(0);
+  EXPECT_EQ(wrong[0].ranges, again.frames(0)[0].ranges) << "the same draws";
+  double squares = 0.0, sum = 0.0;
+  int measured = 0, missing = 0, all = 0;
+  for (std::size_t s = 0; s < right.size(); ++s)
+    for (Eigen::Index i = 0; i < right[s].ranges.size(); ++i) {
+      ++all;
+      const double r = right[s].ranges[i];
+      if (wrong[s].ranges[i] == 0.0) {
+        ++missing;
+      } else if (std::isfinite(r)) {
+        const double off = (wrong[s].ranges[i] - r) / (0.002 + 0.003 * r * r);
+        squares += off * off;
+        sum += off;
+        ++measured;
+      } else {
+        EXPECT_EQ(wrong[s].ranges[i], r);
+      }
+    }
+  EXPECT_NEAR(missing, 0.1 * all, 5.0 * std::sqrt(0.09 * all));
+  ASSERT_GT(measured, 5000);
+  EXPECT_NEAR(sum / measured, 0.0, 5.0 / std::sqrt(measured));
+  EXPECT_NEAR(squares / measured, 1.0, 5.0 * std::sqrt(2.0 / measured));
+}
+
+TEST(DepthSensing, FramesArriveLateAndOnce) {
+  Disturbances d;
+  d.objects.delay = 0.08;
+  Rig rig(d);
+  EXPECT_EQ(rig.frames(0).size(), 6u) << "the first at once";
+  std::vector<double> arrived;
+  for (long k = 1; k < 40; ++k)
+    for (const DepthFrame& frame : rig.frames(k)) {
+      if (frame.sensor != 0) continue;
+      EXPECT_NEAR(frame.time, static_cast<double>(k) * kStep - 0.08, 1e-9);
+      arrived.push_back(frame.time);
+    }
+  ASSERT_EQ(arrived.size(), 7u) << "ten in a second";
+  for (std::size_t i = 0; i < arrived.size(); ++i) EXPECT_NEAR(arrived[i], 0.1 * static_cast<double>(i + 1), 1e-9);
+  d.objects.irregularity = {0.04, 0.3};
+  Rig rough(d);
+  int count = 0;
+  for (long k = 1; k < 500; ++k)
+    for (const DepthFrame& frame : rough.frames(k)) {
+      if (frame.sensor == 0) ++count;
+      EXPECT_GE(static_cast<double>(k) * kStep - frame.time, 0.08 - 1e-9);
+      EXPECT_LE(static_cast<double>(k) * kStep - frame.time, 0.12 + 1e-9);
+    }
+  EXPECT_NEAR(count, 70, 20) << "of 100, less those that are lost";
+}
+
+ControllerParams with_map() {
+  std::vector<std::string> warnings;
+  return config::read_controller(config::load_yaml(source_path("configs/controllers/moma-map.yaml")), "controller",
+                                 *robot_with_cameras(), kStep, warnings);
+}
+
+Observation seen_by(const Rig& rig, long k) {
+  Observation o;
+  o.time = static_cast<double>(k) * kStep;
+  o.base = rig.base;
+  o.q = rig.q;
+  o.qdot = VectorX::Zero(robot_with_cameras()->num_velocities());
+  o.goal.X_WG.translation() = Vector3(2.5, 1.0, 0.6);
+  return o;
+}
+
+TEST(SeenMap, BoxesAreWhereThingsStandAndNowhereElse) {
+  const World world = room();
+  Disturbances d;
+  d.detection.ranges = {0.002, 0.0015, 0.02};
+  Rig rig(d, world);
+  MapParams params = with_map().map;
+  SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
+  for (long k = 0; k < 60; ++k) {
+    for (const DepthFrame& frame : rig.frames(k)) map.see(frame);
+    map.observe(seen_by(rig, k));
+  }
+  EXPECT_FALSE(map.waits());
+  EXPECT_EQ(map.left_out(), 0);
+  Kinematics kinematics(robot_with_cameras());
+  kinematics.place(rig.base, rig.q);
+  std::vector<int> near(world.objects.size(), 0);
+  int boxes = 0, unseen = 0;
+  for (const ObjectState& state : map.states()) {
+    if (!state.visible) continue;
+    const Shape shape{ShapeKind::kBox, state.box, nullptr};
+    for (const CollisionShape& own : robot_with_cameras()->shapes)
+      EXPECT_GT(shape_distance(shape, state.X_WO, own.shape, kinematics.X_WS(own)).d, state.seen ? 0.0 : -0.02)
+          << "the robot is not in its own way: " << own.name;
+    if (!state.seen) {
+      ++unseen;
+      continue;
+    }
+    ++boxes;
+    double least = kInfinity;
+    for (std::size_t o = 0; o < world.objects.size(); ++o) {
+      const double distance = shape_distance(shape, state.X_WO, world.objects[o].shape, rig.states[o].X_WO).d;
+      least = std::min(least, distance);
+      if (distance <= 0.02) ++near[o];
+    }
+    EXPECT_LT(least, 0.05) << "at " << state.X_WO.translation().transpose();
+  }
+  EXPECT_GT(boxes, 10);
+  EXPECT_GT(unseen, 0) << "behind the arm, and beneath the base";
+  for (std::size_t o = 0; o < near.size(); ++o) EXPECT_GT(near[o], 1) << world.objects[o].name;
+}
+
+TEST(SeenMap, AFrameCountsFromWhereTheRobotWas) {
+  Disturbances d;
+  d.objects.delay = 0.08;
+  const World world = room();
+  Rig rig(d, world);
+  MapParams params = with_map().map;
+  params.unseen.enabled = false;
+  // The base's measurements are as late as 40 ms.
+  SeenMap map(robot_with_cameras(), params, 0.04, 0.0);
+  const auto base_at = [](long k) { return Vector3(0.01 * static_cast<double>(std::max(0L, k)), 0.0, 0.02 * static_cast<double>(std::max(0L, k))); };
+  for (long k = 0; k < 40; ++k) {
+    rig.base = base_at(k);
+    for (const DepthFrame& frame : rig.frames(k)) map.see(frame);
+    Observation o = seen_by(rig, k);
+    o.base = base_at(k - 2);
+    map.observe(o);
+  }
+  int boxes = 0;
+  for (const ObjectState& state : map.states()) {
+    if (!state.visible) continue;
+    ++boxes;
+    double least = kInfinity;
+    for (std::size_t o = 0; o < world.objects.size(); ++o)
+      least = std::min(least, shape_distance({ShapeKind::kBox, state.box, nullptr}, state.X_WO, world.objects[o].shape,
+                                             rig.states[o].X_WO).d);
+    EXPECT_LT(least, 0.06) << "at " << state.X_WO.translation().transpose();
+  }
+  EXPECT_GT(boxes, 10);
+}
+
+TEST(SeenMap, WhatGoesIsForgottenAndWhatIsHiddenIsKept) {
+  Rig rig;
+  MapParams params = with_map().map;
+  SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
+  const auto occupied_near = [&](const Vector3& p) {
+    return std::any_of(map.states().begin(), map.states().end(), [&](const ObjectState& state) {
+      return state.visible && state.seen && (state.X_WO.translation() - p).cwiseAbs().maxCoeff() < 0.4;
+    });
+  };
+  const auto go_on = [&](long from, long to) {
+    for (long k = from; k < to; ++k) {
+      for (const DepthFrame& frame : rig.frames(k)) map.see(frame);
+      map.observe(seen_by(rig, k));
+    }
+  };
+  go_on(0, 50);
+  EXPECT_TRUE(occupied_near({1.25, 0.2, 0.5}));
+  EXPECT_TRUE(occupied_near({-0.5, 1.2, 0.6}));
+  rig.states[1].visible = false;  // the ball is taken away
+  go_on(50, 150);
+  EXPECT_TRUE(occupied_near({1.25, 0.2, 0.5}));
+  EXPECT_FALSE(occupied_near({-0.5, 1.2, 0.6}));
+  rig.states[0].visible = false;  // and the box, while no sensor works
+  for (long k = 150; k < 250; ++k) map.observe(seen_by(rig, k));
+  EXPECT_TRUE(occupied_near({1.25, 0.2, 0.5})) << "out of view is not gone";
+}
+
+TEST(SeenMap, AStepTakesNoMoreFramesThanItHasRaysFor) {
+  Rig rig;
+  MapParams params = with_map().map;
+  params.rays = 4000;  // one camera's frame and no other
+  SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
+  for (const DepthFrame& frame : rig.frames(0)) map.see(frame);
+  int steps = 0;
+  for (; steps < 20 && (steps == 0 || map.waits()); ++steps) map.observe(seen_by(rig, steps));
+  EXPECT_EQ(steps, 5) << "four cameras, and two scanners in one step";
+}
+
+// The whole controller, with frames, unseen space, rows, check, plans.
+TEST(SeenMap, AStepOfTheControllerTakesNoMemory) {
+  if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
+  Disturbances d;
+  d.objects.delay = 0.08;
+  Rig rig(d);
+  ControllerCore controller(robot_with_cameras(), with_map(), kStep);
+  controller.reset({});
+  StepResult result;
+  controller.prepare(result);
+  std::vector<std::vector<DepthFrame>> frames;
+  for (long k = 0; k < 80; ++k) frames.push_back(rig.frames(k));
+  int rows = 0;
+  const NoAlloc guard;
+  for (long k = 0; k < 80; ++k) {
+    for (const DepthFrame& frame : frames[static_cast<std::size_t>(k)]) controller.see(frame);
+    const Observation o = seen_by(rig, k);
+    const int before = guard.count();
+    controller.step(o, result);
+    ASSERT_EQ(guard.count(), before) << "step " << k;
+    rows += result.rows;
+  }
+  EXPECT_GT(rows, 100);
+  EXPECT_GT(controller.object_names().size(), 300u);
+}
+
+}  // namespace
+}  // namespace moma::test

@@ -1,0 +1,98 @@
+#include "world/sensing/depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "world/sensing/delay_line.h"
+
+namespace moma {
+namespace {
+
+// Sensors have draws of their own, beside those of objects of any number.
+constexpr std::size_t kSensors = 1'000'000;
+
+}  // namespace
+
+DepthSensing::DepthSensing(const Disturbances& disturbances, const RobotModel& model, std::span<const Shape> objects,
+                           const DisturbanceStreams& streams, double control_period)
+    : errors_(disturbances.detection.ranges),
+      irregularity_(disturbances.objects.irregularity),
+      streams_(streams),
+      dt_(control_period),
+      delay_(delay_steps(disturbances.objects.delay, control_period)),
+      jitter_(delay_steps(irregularity_.jitter, control_period)),
+      robot_({std::shared_ptr<void>(), &model}),
+      frames_(model, control_period),
+      taken_(model.sensors.size(), 0) {
+  frames_.set_objects(objects);
+  for (int i = 0; i < frames_.count(); ++i) {
+    const Sensor& sensor = model.sensors[static_cast<std::size_t>(i)].sensor;
+    range_.push_back(sensor.range);
+    const long every = std::max(1L, std::lround(frames_.interval(i) / dt_));
+    Sent none;
+    none.frame.sensor = i;
+    none.frame.ranges = VectorX::Zero(sensor.columns * sensor.rows);
+    sent_.emplace_back(static_cast<std::size_t>((delay_ + jitter_) / every + 2), none);
+  }
+}
+
+void DepthSensing::sense(long k, const Vector3& base, const VectorX& q, std::span<const ObjectState> objects) {
+  k_ = k;
+  bool any = false;
+  for (int i = 0; i < frames_.count(); ++i) any = any || frames_.is_due(i, k);
+  if (!any) return;
+  robot_.place(base, q);
+  frames_.look(k, robot_, objects);
+  for (int i = 0; i < frames_.count(); ++i) {
+    if (!frames_.due(i)) continue;
+    const auto sensor = static_cast<std::size_t>(i);
+    Sent& sent = sent_[sensor][taken_[sensor]++ % sent_[sensor].size()];
+    sent.frame.time = static_cast<double>(k) * dt_;
+    measure(frames_.view(i), streams_.sensing(DisturbanceSource::kDepthNoise, k, kSensors + sensor), sent.frame.ranges);
+    const long more = irregularity_ == Irregularity{}
+                          ? 0
+                          : arrival(irregularity_, jitter_,
+                                    streams_.sensing(DisturbanceSource::kDepthArrival, k, kSensors + sensor));
+    sent.due = k == 0 ? 0 : more < 0 ? kNone : k + delay_ + more;
+  }
+}
+
+void DepthSensing::measure(const RayView& view, Draws draws, VectorX& ranges) const {
+  const Isometry& X_WC = view.pose();
+  const double height = X_WC.translation().z();
+  const Vector3 down_C = -X_WC.linear().row(2).transpose();
+  const bool exact = errors_ == RangeErrors{};
+  for (Eigen::Index i = 0; i < ranges.size(); ++i) {
+    const auto ray = static_cast<std::size_t>(i);
+    double r = view.distances()[ray];
+    const double falls = down_C.dot(view.directions_C()[ray]);
+    if (falls > 0.0 && height > 0.0) r = std::min(r, height / falls);
+    if (!(r <= view.range())) r = std::numeric_limits<double>::infinity();
+    if (!exact) {
+      // As many draws for each ray, so that no ray's errors depend on what another one met.
+      const bool missing = draws.uniform() < errors_.missing;
+      const double error = draws.normal(0.0, 1.0);
+      if (std::isfinite(r)) r = std::max(0.0, r + (errors_.noise + errors_.growth * r * r) * error);
+      if (missing) r = 0.0;
+    }
+    ranges[i] = r;
+  }
+}
+
+void DepthSensing::show(StepController& controller) {
+  for (std::vector<Sent>& ring : sent_) {
+    Sent* newest = nullptr;
+    for (Sent& sent : ring) {
+      if (sent.due == kNone || sent.due > k_) continue;
+      if (newest != nullptr) (newest->frame.time < sent.frame.time ? newest->due : sent.due) = kNone;
+      if (newest == nullptr || newest->frame.time < sent.frame.time) newest = &sent;
+    }
+    if (newest == nullptr) continue;
+    newest->due = kNone;
+    controller.see(newest->frame);
+  }
+}
+
+}  // namespace moma
