@@ -98,7 +98,7 @@ std::optional<double> known_before_contact(const CollisionCase& collision) {
   const auto hit = std::find_if(world.objects.begin(), world.objects.end(),
                                 [&](const WorldObject& object) { return object.name == collision.object; });
   const DetectionRule& rule = disturbances.detection;
-  if (rule.occlusion || rule.mount == SensorMount::kHand || rule.seen_by == SeenBy::kSensors)
+  if (rule.occlusion || rule.mount == SensorMount::kHand || rule.seen_by != SeenBy::kRule)
     return {};  // samples without a base do not contain the arm's motion
   Detection detection(rule, world, DisturbanceStreams(world, disturbances.seed), collision.control_period);
   if (hit == world.objects.end() || !detection.on()) return {};
