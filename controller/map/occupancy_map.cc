@@ -152,7 +152,8 @@ bool OccupancyMap::covers_fresh(std::span<const CellBox> boxes, const CellBox& r
   for (const int index : fresh_) {
     if (!all) break;
     const Eigen::Vector3i cell(index / layers_ / count_, index / layers_ % count_, index % layers_);
-    all = !in(region, cell) || std::any_of(boxes.begin(), boxes.end(), [&](const CellBox& box) { return in(box, cell); });
+    all =
+        !in(region, cell) || std::any_of(boxes.begin(), boxes.end(), [&](const CellBox& box) { return in(box, cell); });
   }
   fresh_.clear();
   return all;

@@ -16,9 +16,9 @@ struct CellBox {
 };
 
 /// A grid of free, occupied and unseen cells in a window that moves with the robot. Each cell has log-odds of its
-/// occupancy; a frame changes a cell once, and a hit counts more than the frame's passing rays (Hornung et al., OctoMap,
-/// Autonomous Robots 34, 2013). Rays walk from cell to cell (Amanatides & Woo, Eurographics 1987). Points are in the
-/// axes of the measured base pose, and the window's floor is z = 0. Only the constructor and clear() allocate.
+/// occupancy; a frame changes a cell once, and a hit counts more than the frame's passing rays (Hornung et al.,
+/// OctoMap, Autonomous Robots 34, 2013). Rays walk from cell to cell (Amanatides & Woo, Eurographics 1987). Points are
+/// in the axes of the measured base pose, and the window's floor is z = 0. Only the constructor and clear() allocate.
 class OccupancyMap {
  public:
   explicit OccupancyMap(const MapParams& params);
@@ -45,8 +45,8 @@ class OccupancyMap {
   Vector3 low_corner(const Eigen::Vector3i& cell) const noexcept { return size_ * (cell + origin_).cast<double>(); }
   double cell() const noexcept { return size_; }
   Eigen::Vector3i cells() const noexcept { return {count_, count_, layers_}; }
-  /// True if each cell inside `region` that became occupied since the last call is in one of the boxes. False where these
-  /// are more than kFresh.
+  /// True if each cell inside `region` that became occupied since the last call is in one of the boxes. False where
+  /// these are more than kFresh.
   bool covers_fresh(std::span<const CellBox> boxes, const CellBox& region) noexcept;
 
   enum class Kind { kOccupied, kUnseen };
@@ -80,12 +80,12 @@ class OccupancyMap {
 
   double size_;
   int count_, layers_;
-  int hit_, pass_, least_, most_;  // in units
+  int hit_, pass_, least_, most_;                     // in units
   Eigen::Vector3i origin_ = Eigen::Vector3i::Zero();  // of the window's first cell, in cells
   std::vector<Cell> cells_;
   std::vector<std::int16_t> occupied_;  // number of occupied cells of each column
   std::vector<char> left_;              // cells that cover() has not covered yet
-  std::vector<int> fresh_;  // cells that became occupied
+  std::vector<int> fresh_;              // cells that became occupied
   std::uint8_t frame_ = 0;
 };
 

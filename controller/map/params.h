@@ -5,8 +5,8 @@
 
 namespace moma {
 
-/// Log-odds of occupancy for a hit and for a ray that passes, and their bounds: the defaults are those of Hornung, Wurm,
-/// Bennewitz, Stachniss & Burgard, "OctoMap", Autonomous Robots 34, 2013, section 5. Kept in steps of 0.05.
+/// Log-odds of occupancy for a hit and for a ray that passes, and their bounds: the defaults are those of Hornung,
+/// Wurm, Bennewitz, Stachniss & Burgard, "OctoMap", Autonomous Robots 34, 2013, section 5. Kept in steps of 0.05.
 struct EvidenceParams {
   double hit = 0.85;
   double pass = 0.4;

@@ -12,7 +12,7 @@
 namespace moma {
 namespace {
 
-constexpr std::size_t kMoments = 128;    // remembered steps
+constexpr std::size_t kMoments = 128;     // remembered steps
 constexpr std::size_t kMostFound = 4096;  // boxes among which the nearest are chosen
 constexpr double kThinnest = 0.01;        // edge of a box [m]
 constexpr double kOften = 0.3;            // boxes are made anew after this time, or where they miss a new cell [s]
@@ -34,8 +34,8 @@ void SeenMap::append_shapes(std::vector<ObjectShape>& objects) const {
   const double longest = OccupancyMap::kLongest * params_.cell;
   for (std::size_t i = 0; i < count(); ++i) {
     const bool seen = i < static_cast<std::size_t>(params_.boxes);
-    objects.push_back({(seen ? "map" : "unseen") + std::to_string(i),
-                       {ShapeKind::kBox, Vector3::Constant(longest), nullptr}});
+    objects.push_back(
+        {(seen ? "map" : "unseen") + std::to_string(i), {ShapeKind::kBox, Vector3::Constant(longest), nullptr}});
   }
 }
 

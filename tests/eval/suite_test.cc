@@ -54,6 +54,26 @@ samples: all
   EXPECT_EQ(point.worlds.seed(), 3u);
 }
 
+// Who is told by depth needs sensors and a map; what it believes about the start is compared with what worlds promise.
+TEST(Suite, ToldByDepthNeedsSensorsAndAMap) {
+  const std::string folder = MOMA_SOURCE_DIR "/configs/suites/";
+  const auto set = [](const char* key, const char* value) { return Overrides{{key, value}}; };
+  EXPECT_REFUSED(folder + "depth.yaml", set("robot", "../robots/frankie.yaml"),
+                 "has no sensors, and disturbances.objects.seen_by is depth");
+  EXPECT_REFUSED(folder + "depth.yaml", set("controllers.moma.map", "none"),
+                 "controllers.moma: has no `map`, and disturbances.objects.seen_by is depth");
+  const auto warnings = [&](const char* room) {
+    std::string all;
+    for (const std::string& warning : load_suite(folder + "depth.yaml", set("worlds.start_room", room)).warnings)
+      all += warning + "\n";
+    return all;
+  };
+  EXPECT_NE(warnings("0.3").find("space 0.4 m about the start counts as free, and worlds.start_room promises 0.3 m"),
+            std::string::npos)
+      << warnings("0.3");
+  EXPECT_EQ(warnings("0.4").find("start_room"), std::string::npos) << warnings("0.4");
+}
+
 TEST(Suite, RefusesWhatIsWrongAndSaysWhere) {
   SuiteFolder folder;
   EXPECT_REFUSED(folder.suite("sucess: {}\n"), {}, "suite.yaml:7:1: sucess: unknown key (did you mean success?)");

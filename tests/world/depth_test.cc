@@ -1,5 +1,5 @@
-// Told by depth alone: frames against the distance of each ray, their errors and lateness, the map that the controller makes
-// of them, and a step that takes no memory.
+// Told by depth alone: frames against the distance of each ray, their errors and lateness, the map that the controller
+// makes of them, and a step that takes no memory.
 
 #include <gtest/gtest.h>
 
@@ -227,7 +227,9 @@ TEST(SeenMap, AFrameCountsFromWhereTheRobotWas) {
   params.unseen.enabled = false;
   // The base's measurements are as late as 40 ms.
   SeenMap map(robot_with_cameras(), params, 0.04, 0.0);
-  const auto base_at = [](long k) { return Vector3(0.01 * static_cast<double>(std::max(0L, k)), 0.0, 0.02 * static_cast<double>(std::max(0L, k))); };
+  const auto base_at = [](long k) {
+    return Vector3(0.01 * static_cast<double>(std::max(0L, k)), 0.0, 0.02 * static_cast<double>(std::max(0L, k)));
+  };
   for (long k = 0; k < 40; ++k) {
     rig.base = base_at(k);
     for (const DepthFrame& frame : rig.frames(k)) map.see(frame);
@@ -242,7 +244,8 @@ TEST(SeenMap, AFrameCountsFromWhereTheRobotWas) {
     double least = kInfinity;
     for (std::size_t o = 0; o < world.objects.size(); ++o)
       least = std::min(least, shape_distance({ShapeKind::kBox, state.box, nullptr}, state.X_WO, world.objects[o].shape,
-                                             rig.states[o].X_WO).d);
+                                             rig.states[o].X_WO)
+                                  .d);
     EXPECT_LT(least, 0.06) << "at " << state.X_WO.translation().transpose();
   }
   EXPECT_GT(boxes, 10);

@@ -51,10 +51,10 @@ void DepthSensing::sense(long k, const Vector3& base, const VectorX& q, std::spa
     Sent& sent = sent_[sensor][taken_[sensor]++ % sent_[sensor].size()];
     sent.frame.time = static_cast<double>(k) * dt_;
     measure(frames_.view(i), streams_.sensing(DisturbanceSource::kDepthNoise, k, kSensors + sensor), sent.frame.ranges);
-    const long more = irregularity_ == Irregularity{}
-                          ? 0
-                          : arrival(irregularity_, jitter_,
-                                    streams_.sensing(DisturbanceSource::kDepthArrival, k, kSensors + sensor));
+    const long more =
+        irregularity_ == Irregularity{}
+            ? 0
+            : arrival(irregularity_, jitter_, streams_.sensing(DisturbanceSource::kDepthArrival, k, kSensors + sensor));
     sent.due = k == 0 ? 0 : more < 0 ? kNone : k + delay_ + more;
   }
 }
