@@ -8,7 +8,7 @@
 namespace moma {
 namespace {
 
-constexpr double kStopping = 0.01;  // between two moments of coming to rest [s]
+constexpr int kMoments = 40;  // of coming to rest
 
 }  // namespace
 
@@ -19,15 +19,14 @@ double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const 
   WholeConfiguration q = o.q;
   Vector3 at = o.base;
   double time = 0.0;
-  constexpr int kMost = 500;
-  for (int k = 0; k < kMost && v.cwiseAbs().maxCoeff() > 0.0; ++k) {
-    for (Eigen::Index i = 0; i < v.size(); ++i) {
-      const double a = i >= base ? limits.joint_acceleration[i - base]
-                                 : (i + 1 == base ? limits.angular_acceleration : limits.linear_acceleration);
-      v[i] = std::copysign(std::max(0.0, std::abs(v[i]) - a * kStopping), v[i]);
-    }
-    integrate(model, at, q, v, kStopping);
-    time += kStopping;
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    const double a = i >= base ? limits.joint_acceleration[i - base]
+                               : (i + 1 == base ? limits.angular_acceleration : limits.linear_acceleration);
+    time = std::max(time, std::abs(v[i]) / a);
+  }
+  for (int k = 0; k < kMoments && time > 0.0; ++k) {
+    v = (1.0 - (k + 0.5) / kMoments) * o.qdot;
+    integrate(model, at, q, v, time / kMoments);
   }
   c.resize(3 + q.size());
   c << at, q;
@@ -37,7 +36,9 @@ double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const 
 Choice::Choice(std::shared_ptr<const RobotModel> model, const ControllerParams& params)
     : model_(model),
       settle_(params.plan.settle),
+      standing_(params.plan.decisions.standing),
       close_plans_(params.plan.decisions.close_plans),
+      direct_way_(model, params),
       planner_(model, params),
       stand_(WholeConfiguration::Zero(3 + model->num_joints())) {
   from_.q = model->ready;
@@ -45,30 +46,82 @@ Choice::Choice(std::shared_ptr<const RobotModel> model, const ControllerParams& 
 }
 
 void Choice::reset(std::span<const ObjectShape> objects) {
+  direct_way_.set_objects(objects);
   planner_.set_objects(objects);
   from_.objects.assign(objects.size(), ObjectState{});
   done_ = true;
 }
 
-void Choice::begin(const Observation& from, double direct_time, int number) noexcept {
+MotionState Choice::motion_of(const Observation& o) const noexcept {
+  const int base = model_->base_dof();
+  MotionState motion{WholeConfiguration(3 + o.q.size()), WholeConfiguration::Zero(3 + o.q.size())};
+  motion.c << o.base, o.q;
+  if (o.qdot.lpNorm<Eigen::Infinity>() <= standing_) return motion;
+  motion.v.tail(o.q.size()) = o.qdot.tail(o.q.size());
+  if (base == 0) return motion;
+  const double cs = std::cos(o.base.z()), sn = std::sin(o.base.z());
+  const double along = o.qdot[0], across = base == 3 ? o.qdot[1] : 0.0;
+  motion.v.head<3>() << cs * along - sn * across, sn * along + cs * across, o.qdot[base - 1];
+  return motion;
+}
+
+void Choice::put(const MotionState& motion, Observation& o) const noexcept {
+  const int base = model_->base_dof();
+  const auto joints = o.q.size();
+  o.base = motion.c.head<3>();
+  o.q = motion.c.tail(joints);
+  o.qdot.tail(joints) = motion.v.tail(joints);
+  if (base == 0) return;
+  const double cs = std::cos(o.base.z()), sn = std::sin(o.base.z());
+  o.qdot[0] = cs * motion.v[0] + sn * motion.v[1];
+  if (base == 3) o.qdot[1] = -sn * motion.v[0] + cs * motion.v[1];
+  o.qdot[base - 1] = motion.v[2];
+}
+
+void Choice::begin(const Observation& from, double direct_time, int number, bool plans) noexcept {
   copy_observation(from, from_);
   stopping_ = comes_to_rest(*model_, planner_.limits(), from_, stand_);
   verdict_ = {.kind = PlanKind::kPolicy, .tried = 1, .policy = direct_time};
   seed_ = static_cast<std::uint64_t>(number - 1);
   plans_ = 0;
-  begin_plan();
+  plans_paths_ = plans;
+  direct_ = done_ = false;
+  on_way_ = true;
+  direct_way_.begin(motion_of(from_), from_.goal.X_WG, from_.objects);
+}
+
+void Choice::end_way() noexcept {
+  on_way_ = false;
+  const double time = direct_way_.path().duration;
+  direct_ = direct_way_.found() && (verdict_.policy < 0.0 || time < verdict_.policy);
+  if (direct_) {
+    ++verdict_.tried;
+    verdict_.by_path = time;
+    verdict_.kind = PlanKind::kPath;
+  }
+  if (direct_ || !plans_paths_)
+    done_ = true;
+  else
+    begin_plan();
 }
 
 // A path that takes longer than the policy is useless.
 void Choice::begin_plan() noexcept {
   ++plans_;
   const double most = verdict_.policy >= 0.0 ? verdict_.policy : kInfinity;
-  planner_.begin(stand_, from_.goal.X_WG, from_.objects, seed_, most - settle_ - stopping_);
-  done_ = false;
+  Braking braking{WholeConfiguration(stand_.size()), stopping_};
+  braking.from << from_.base, from_.q;
+  planner_.begin(stand_, from_.goal.X_WG, from_.objects, seed_, most - settle_ - stopping_, braking,
+                 {from_.goal.free, R_WG_});
 }
 
 bool Choice::advance(long& budget) noexcept {
   while (budget > 0 && !done_) {
+    if (on_way_) {
+      if (direct_way_.advance(budget)) break;
+      end_way();
+      continue;
+    }
     if (planner_.advance(budget)) break;
     if (!planner_.found() && planner_.close_goal() && plans_ < close_plans_) {
       begin_plan();
@@ -77,7 +130,7 @@ bool Choice::advance(long& budget) noexcept {
     done_ = true;
     ++verdict_.tried;
     if (!planner_.found()) continue;
-    verdict_.by_path = stopping_ + planner_.path().duration + settle_;
+    verdict_.by_path = (planner_.close_goal() ? stopping_ : 0.0) + planner_.path().duration + settle_;
     if (verdict_.policy < 0.0 || verdict_.by_path < verdict_.policy) verdict_.kind = PlanKind::kPath;
   }
   return !done_;

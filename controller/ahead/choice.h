@@ -7,14 +7,15 @@
 
 #include "controller/ahead/plan_brief.h"
 #include "controller/params.h"
+#include "controller/plan/direct_way.h"
 #include "controller/plan/planner.h"
 #include "controller/step.h"
 
 namespace moma {
 
-/// A choice of the quicker one of the direct policy and a planned path, from the state in which it takes effect. It
-/// searches only a path that is quicker than the policy. The work consists of pieces of planning, counted in checks;
-/// its result does not depend on how they are spread over control steps.
+/// A choice of the quicker one of the direct policy and a path, from the state in which it takes effect. The path is a
+/// direct way if one is free and quicker than the policy, otherwise a planned one that is quicker. The work consists of
+/// pieces of planning, counted in checks; its result does not depend on how they are spread over control steps.
 ///
 /// One per controller. Only construction and reset() allocate.
 class Choice {
@@ -23,30 +24,45 @@ class Choice {
 
   void reset(std::span<const ObjectShape> objects);
 
+  /// Sets the axes of the goal, for a goal with free directions, whose pose in an observation is the nearest one.
+  void set_goal_axes(const Matrix3& R_WG) noexcept { R_WG_ = R_WG; }
   /// Begins a choice that takes effect at `from`, where the direct policy needs `direct_time` seconds (negative: it
-  /// fails). A path begins where the robot comes to rest. `number` counts choices from 1 and seeds the draws.
-  void begin(const Observation& from, double direct_time, int number) noexcept;
+  /// fails). `number` counts choices from 1 and seeds the draws of a plan. Without `plans` only a direct way counts.
+  void begin(const Observation& from, double direct_time, int number, bool plans = true) noexcept;
   /// Works until `budget` checks are spent or the choice is complete. True if work is left.
   bool advance(long& budget) noexcept;
   /// Ends the search with the best path so far.
   void hurry() noexcept {
-    if (!done_) planner_.hurry();
+    if (!done_ && !on_way_) planner_.hurry();
   }
   /// Result of the choice. If both times are negative, nothing arrives, and the policy goes on.
   const PlanVerdict& verdict() const noexcept { return verdict_; }
 
+  /// True if the chosen path is a direct way.
+  bool is_direct() const noexcept { return direct_; }
+  const Path& path() const noexcept { return direct_ ? direct_way_.path() : planner_.path(); }
   const Planner& planner() const noexcept { return planner_; }
+  DirectWay& direct_way() noexcept { return direct_way_; }
+  /// Place and velocity of `o`; velocities of a robot that stands are zero.
+  MotionState motion_of(const Observation& o) const noexcept;
+  /// Moves the robot of `o` there.
+  void put(const MotionState& motion, Observation& o) const noexcept;
 
  private:
+  void end_way() noexcept;
   void begin_plan() noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   double settle_;    // time from a path's end to the goal [s]
+  double standing_;  // velocities below which the robot stands
   int close_plans_;  // plans of one choice for a goal that is close to an object, each with more work
+  DirectWay direct_way_;
   Planner planner_;
 
   bool done_ = true;
+  bool plans_paths_ = true, on_way_ = false, direct_ = false;
   Observation from_;
+  Matrix3 R_WG_ = Matrix3::Identity();
   WholeConfiguration stand_;  // configuration in which the robot comes to rest
   double stopping_ = 0.0;     // time until then [s]
   std::uint64_t seed_ = 0;
@@ -54,7 +70,8 @@ class Choice {
   PlanVerdict verdict_;
 };
 
-/// Computes the configuration `c` in which a robot that brakes evenly from now on comes to rest; returns the time [s].
+/// Computes the configuration `c` in which a robot comes to rest whose velocities fall evenly from now on, all of them
+/// in the same time. Returns that time [s].
 double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const Observation& o,
                      WholeConfiguration& c) noexcept;
 

@@ -42,7 +42,6 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
       dt_(control_period),
       mobile_(model->mobile()),
       choice_(model, params),
-      direct_way_(model, params),
       slope_(params.collision.at_goal.slope),
       watch_(model, params.plan.decisions, planner().limits(), slope_),
       bounds_(*model, late_limits(params), control_period),
@@ -55,7 +54,6 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
 
 void Lookahead::reset(std::span<const ObjectShape> objects) {
   choice_.reset(objects);
-  direct_way_.set_objects(objects);
   watch_.set_objects(objects);
   rollout_.reset(objects);
   later_.objects.assign(objects.size(), ObjectState{});
@@ -105,6 +103,7 @@ void Lookahead::go_direct(PlanReason reason, Detours detours) noexcept {
   brief.target.setZero();
   brief.end.setZero();
   state_.path.count = 0;
+  state_.former = false;
   job_ = Job::kNone;
   if (detours == Detours::kKept) return;
   state_.fresh = true;
@@ -116,23 +115,38 @@ void Lookahead::stop(PlanReason reason, double direct_time) noexcept {
   job_ = Job::kNone;
 }
 
-// Begins a choice for the state in which the robot is predicted to be soon. Stops if that state is unknown or unsafe.
-void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
-  const std::int64_t commit = predicted_from_ + periods(later_time_);
+// True if the state in which the robot is predicted to be soon is known and safe.
+bool Lookahead::goes_on_safely() const noexcept {
   const bool touches = rollout_.end() == RolloutEnd::kTouches && rollout_.time() < later_time_ + params_.decisions.sure;
-  if (later_time_ < 0.0 || touches || commit <= state_.steps) {
+  return later_time_ >= 0.0 && !touches && predicted_from_ + periods(later_time_) > state_.steps;
+}
+
+// Begins a choice for that state, or stops.
+void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
+  if (!goes_on_safely()) {
     stop(reason, direct_time);
     return;
   }
   if (direct_time >= 0.0) direct_time = std::max(0.0, direct_time - later_time_);
-  begin(GoingOn{commit, direct_time, false}, reason);
+  begin(GoingOn{predicted_from_ + periods(later_time_), direct_time, false}, reason);
   choice_.begin(later_, direct_time, ++state_.brief.attempts);
+  job_ = Job::kChoose;
+}
+
+// Begins to look for a direct way from that state, which would be quicker than the policy.
+void Lookahead::look_for_way(double direct_time) noexcept {
+  begin(GoingDirect{}, PlanReason::kArrives);
+  if (params_.direct == 0 || traffic_ || !goes_on_safely()) return;
+  direct_time -= later_time_;
+  begin(GoingOn{predicted_from_ + periods(later_time_), direct_time, false}, PlanReason::kArrives);
+  choice_.begin(later_, direct_time, state_.brief.attempts, false);
   job_ = Job::kChoose;
 }
 
 // Begins to follow state_.path.
 void Lookahead::begin_path(PlanReason reason) noexcept {
   begin(Following{state_.steps, 0.0}, reason);
+  state_.former = false;
   PlanBrief& brief = state_.brief;
   brief.clock = brief.lag = 0.0;
   brief.duration = state_.path.duration;
@@ -157,12 +171,22 @@ bool Lookahead::near_mover(const Observation& o) const noexcept {
   return false;
 }
 
-void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
+void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3& R_WG) noexcept {
+  choice_.set_goal_axes(R_WG);
   const RolloutLimits limits = prediction_limits(params_, escape_, params_.horizon);
   arrived_ = error.tail<3>().norm() < limits.position && error.head<3>().norm() < limits.orientation;
+  const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing;
   if (state_.has_goal && jumped(params_.decisions, state_.X_WG, o.goal.X_WG)) {
-    const bool was_direct = state_.brief.mode == PlanMode::kDirect;
-    go_direct(PlanReason::kStart, was_direct ? Detours::kKept : Detours::kCleared);
+    Following* on_path = doing<Following>();
+    if (on_path && !stands && params_.direct > 0 && !(state_.path.kept_at_goal < state_.path.clearance)) {
+      state_.former = true;  // it stays on the path until a way on is known
+      state_.path.X_WG = shift_of_goal(mobile_ && is_whole(o.goal), state_.path.X_WG, state_.X_WG).back(o.goal.X_WG);
+      *on_path = {0, state_.brief.clock};
+      job_ = Job::kNone;
+    } else {
+      const bool was_direct = state_.brief.mode == PlanMode::kDirect;
+      go_direct(PlanReason::kStart, was_direct ? Detours::kKept : Detours::kCleared);
+    }
     state_.steps = state_.next = 0;
   }
   state_.X_WG = o.goal.X_WG;
@@ -180,12 +204,13 @@ void Lookahead::decide(const Observation& o, const Vector6& error) noexcept {
   PlanBrief& brief = state_.brief;
   if (goal_moves && !doing<GoingDirect>()) go_direct(PlanReason::kTraffic, Detours::kCleared);
   if (movers && !goal_moves) decide_among_traffic();
-  const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing;
   if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !traffic_ && !arrived_)
     begin(SettingOut{}, brief.reason);
   if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
     if (now->chosen)
-      begin_path(PlanReason::kQuicker);
+      begin_path(brief.reason == PlanReason::kDirectWay ? brief.reason : PlanReason::kQuicker);
+    else if (brief.reason == PlanReason::kArrives)
+      begin(GoingDirect{}, brief.reason);
     else
       begin(Stopping{state_.steps + periods(params_.decisions.stop_time), now->direct_time}, brief.reason);
   }
@@ -220,6 +245,7 @@ void Lookahead::follow(const Observation& o, Following& following) noexcept {
   const FollowStep step =
       follow_path(planner().limits(), params_, state_.path, brief.clock, dt_, most_rate, shift_, o, wanted_);
   brief.lag = step.lag;
+  rate_ = step.rate;
   brief.clock = std::min(brief.clock + step.rate * dt_, state_.path.duration);
   WholeConfiguration target;
   state_.path.at(brief.clock, target);
@@ -245,15 +271,13 @@ void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
 
 void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
   if (job_ != Job::kSetOut) {
-    WholeConfiguration here(3 + o.q.size());
-    here << o.base, o.q;
-    direct_way_.begin(here, o.goal.X_WG, o.objects);
+    choice_.direct_way().begin(choice_.motion_of(o), o.goal.X_WG, o.objects);
     job_ = Job::kSetOut;
   }
-  if (direct_way_.advance(budget) && state_.steps < periods(params_.decisions.set_out_time)) return;
+  if (choice_.direct_way().advance(budget) && state_.steps < periods(params_.decisions.set_out_time)) return;
   job_ = Job::kNone;
-  if (direct_way_.found()) {
-    state_.path = direct_way_.path();
+  if (choice_.direct_way().found()) {
+    state_.path = choice_.direct_way().path();
     begin_path(PlanReason::kDirectWay);
   } else {
     go_direct(PlanReason::kStart, Detours::kKept);
@@ -289,7 +313,12 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
     stop(PlanReason::kPathBroken, -1.0);
     return;
   }
-  if (state_.brief.clock >= state_.path.duration) {
+  const double rest = state_.path.duration - state_.brief.clock;
+  if (state_.former) {
+    if (!work_way(o, kInfinity, budget)) go_direct(PlanReason::kStart, Detours::kCleared);
+    return;
+  }
+  if (rest <= 0.0) {
     if (arrived_) {  // it holds the path's end
       doing<Following>()->mark = state_.steps;
       return;
@@ -299,19 +328,53 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
       return;
     }
   }
-  // The policy is never quicker than a direct way, unless that stops where the policy passes through. Its rows keep
-  // more than a path of little clearance has.
-  const bool direct = state_.brief.reason == PlanReason::kDirectWay && o.goal.stop;
+  // Nothing is quicker than a direct way. The policy's rows keep more than a path of little clearance has.
+  const bool direct = state_.brief.reason == PlanReason::kDirectWay;
   const bool tight = params_.follow.to_end && state_.path.clearance < params_.clearance;
   const bool due = !direct && !tight && (state_.steps >= state_.next || news_);
   if (job_ == Job::kNone && !due && !stuck()) return;
-  const double rest = state_.path.duration - state_.brief.clock + params_.settle;
-  if (!predict(o, EscapeState{}, std::min(params_.horizon, rest), budget)) return;
+  const bool close = state_.path.kept_at_goal < state_.path.clearance;
+  if (job_ != Job::kPredict && !close && !stuck() && work_way(o, rest, budget)) return;
+  const double arrival = rest + params_.settle;
+  if (!predict(o, EscapeState{}, std::min(params_.horizon, arrival), budget)) return;
   state_.next = state_.steps + periods(params_.period);
-  if (rollout_.end() == RolloutEnd::kArrives && rollout_.time() <= rest)
+  if (rollout_.end() == RolloutEnd::kArrives && rollout_.time() <= arrival)
     go_direct(PlanReason::kArrives, Detours::kCleared);
   else if (stuck())
     stop(PlanReason::kNoProgress, -1.0);
+}
+
+// Makes a choice for where the path has the robot in a moment, between the `rest` of the path and what is quicker, and
+// goes over to that. A path to a former goal has no rest that counts, and the first direct way does. True if it goes
+// over, or has to work on.
+bool Lookahead::work_way(const Observation& o, double rest, long& budget) noexcept {
+  PlanBrief& brief = state_.brief;
+  if (job_ != Job::kSetOut) {
+    const double ahead = rate_ * (state_.former ? params_.decisions.way_ahead : goes_on());
+    if (params_.direct == 0 || traffic_ || ahead <= 0.0 || ahead + params_.decisions.way_gain >= rest) return false;
+    way_from_ = brief.clock + ahead;
+    MotionState later;
+    state_.path.at(way_from_, later.c);
+    state_.path.velocity(way_from_, 0.5 * dt_, later.v);
+    later.v *= rate_;
+    copy_observation(o, later_);
+    choice_.put(shift_.of(later), later_);
+    const double left = state_.former ? -1.0 : rest - ahead - params_.decisions.way_gain;
+    choice_.begin(later_, left, state_.former ? brief.attempts : ++brief.attempts, !state_.former);
+    job_ = Job::kSetOut;
+  }
+  const double until = std::max(0.0, way_from_ - brief.clock);
+  if (until < static_cast<double>(kHurry) * dt_) choice_.hurry();
+  const bool more = choice_.advance(budget);
+  if (until > dt_ && (more || !state_.former)) return true;
+  job_ = Job::kNone;
+  if (more || choice_.verdict().kind != PlanKind::kPath) return false;
+  brief.choice = choice_.verdict();
+  state_.path = choice_.path();
+  state_.path.begin_earlier(until);
+  state_.next = state_.steps + periods(params_.period);
+  begin_path(choice_.is_direct() ? PlanReason::kDirectWay : PlanReason::kQuicker);
+  return true;
 }
 
 // Works on a choice while the robot goes on, slows down or stands.
@@ -343,11 +406,10 @@ bool Lookahead::predict(const Observation& o, const EscapeState& escape, double 
     news_ = false;
     job_ = Job::kPredict;
   }
-  const double goes_on = mobile_ ? params_.decisions.go_on_driving : params_.decisions.go_on_standing;
   while (budget > 0) {
     budget -= Rollout::kChecks;
     const bool ended = rollout_.step() != RolloutEnd::kGoesOn || rollout_.over();
-    if (later_time_ < 0.0 && rollout_.time() + 0.5 * rollout_.period() > goes_on) {
+    if (later_time_ < 0.0 && rollout_.time() + 0.5 * rollout_.period() > goes_on()) {
       copy_observation(rollout_.state(), later_);
       later_time_ = rollout_.time();
     }
@@ -369,7 +431,7 @@ void Lookahead::end_direct_prediction() noexcept {
   else if (first)
     go_on(PlanReason::kStart, time);
   else
-    state_.brief.reason = PlanReason::kArrives;
+    look_for_way(time);
 }
 
 bool Lookahead::stuck() noexcept {
@@ -386,6 +448,10 @@ void Lookahead::choose() noexcept {
   const PlanVerdict& choice = choice_.verdict();
   job_ = Job::kNone;
   state_.next = state_.steps + periods(params_.period);
+  if (choice.kind == PlanKind::kPolicy && state_.brief.reason == PlanReason::kArrives) {
+    begin(GoingDirect{}, PlanReason::kArrives);
+    return;
+  }
   state_.brief.choice = choice;
   if (choice.kind == PlanKind::kPolicy) {
     const bool nothing = choice.policy < 0.0;
@@ -394,11 +460,14 @@ void Lookahead::choose() noexcept {
     go_direct(nothing ? PlanReason::kNoPath : PlanReason::kQuicker, left_path ? Detours::kCleared : Detours::kKept);
     return;
   }
-  state_.path = planner().path();
-  if (GoingOn* now = doing<GoingOn>())
+  state_.path = choice_.path();
+  const PlanReason reason = choice_.is_direct() ? PlanReason::kDirectWay : PlanReason::kQuicker;
+  if (GoingOn* now = doing<GoingOn>()) {
     now->chosen = true;
-  else
-    begin_path(PlanReason::kQuicker);
+    if (choice_.is_direct()) state_.brief.reason = reason;
+  } else {
+    begin_path(reason);
+  }
 }
 
 }  // namespace moma

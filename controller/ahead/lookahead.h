@@ -9,7 +9,6 @@
 #include "controller/ahead/path_watch.h"
 #include "controller/ahead/plan_state.h"
 #include "controller/ahead/rollout.h"
-#include "controller/plan/direct_way.h"
 #include "controller/plan/follow.h"
 #include "controller/qp/limits.h"
 
@@ -25,9 +24,11 @@ namespace moma {
 ///
 /// At the start and after a jump of the goal, a robot at rest searches a direct way (direct_way.h) and follows it. If
 /// none is free, the look-ahead predicts the policy every `period` seconds. It begins a choice at the start, and if the
-/// policy stagnates or its prediction fails. On a path, the policy takes over once its prediction is quicker than the
-/// rest of the path. If the path is blocked or the robot makes no progress, the look-ahead chooses again. Among moving
-/// objects it chooses only if the policy stagnates and none of them is near. A moving goal belongs to the policy.
+/// policy stagnates or its prediction fails; else it looks for a direct way alone. A robot on a path searches one from
+/// where it will be in a moment, or a quicker path: every `period` seconds on a planned path, and at once if its goal
+/// jumps. If it finds none, the policy takes over once its prediction is quicker than the rest of the path. If the path
+/// is blocked or the robot makes no progress, the look-ahead chooses again. Among moving objects it chooses only if the
+/// policy stagnates and none of them is near. A moving goal belongs to the policy.
 ///
 /// One per controller. Only construction and reset() allocate.
 class Lookahead {
@@ -36,8 +37,9 @@ class Lookahead {
 
   void reset(std::span<const ObjectShape> objects);
 
-  /// Begins a step. `o`: the observation on which the controller acts; `error`: [e_R; e_p] of E.
-  void decide(const Observation& o, const Vector6& error) noexcept;
+  /// Begins a step. `o`: the observation on which the controller acts; `error`: [e_R; e_p] of E; `R_WG`: axes of the
+  /// goal, if it has free directions.
+  void decide(const Observation& o, const Vector6& error, const Matrix3& R_WG) noexcept;
   /// True if velocities() replace the policy's task in this step. They are those of a path, or zero.
   bool guides() const noexcept { return guides_; }
   const VectorX& velocities() const noexcept { return wanted_; }
@@ -75,11 +77,14 @@ class Lookahead {
   void decide_among_traffic() noexcept;
   void go_direct(PlanReason reason, Detours detours) noexcept;
   void go_on(PlanReason reason, double direct_time) noexcept;
+  void look_for_way(double direct_time) noexcept;
+  bool goes_on_safely() const noexcept;
   void stop(PlanReason reason, double direct_time) noexcept;
   void begin_path(PlanReason reason) noexcept;
   void place_end() noexcept;
   void follow(const Observation& o, Following& following) noexcept;
   void work_set_out(const Observation& o, long& budget) noexcept;
+  bool work_way(const Observation& o, double rest, long& budget) noexcept;
   void work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void work_choice(const Observation& o, const EscapeState& escape, long& budget) noexcept;
@@ -90,13 +95,15 @@ class Lookahead {
   bool at_end() noexcept;
   bool near_mover(const Observation& o) const noexcept;
   std::int64_t periods(double seconds) const noexcept;
+  double goes_on() const noexcept {
+    return mobile_ ? params_.decisions.go_on_driving : params_.decisions.go_on_standing;
+  }
 
   PlanParams params_;
   EscapeParams escape_;
   double dt_;
   bool mobile_;
   Choice choice_;
-  DirectWay direct_way_;
   double slope_;  // growth of a path's distance from objects with the distance from its goal
   PathWatch watch_;
   VelocityBounds bounds_;
@@ -107,6 +114,7 @@ class Lookahead {
   bool arrived_ = false;  // E is within a share of its goal's tolerances
   VectorX wanted_;
   PlanarShift shift_;
+  double rate_ = 0.0;  // of the path's clock in this step
 
   Job job_ = Job::kNone;
   long debt_ = 0;  // checks of the last step beyond its budget
@@ -115,6 +123,7 @@ class Lookahead {
   // The present or last prediction: its first step, and the state in which a choice takes effect.
   std::int64_t predicted_from_ = 0;
   Observation later_;
+  double way_from_ = 0.0;     // the path's clock at which a choice takes effect that is made on the path
   double later_time_ = -1.0;  // time of that state after the first step; negative: not reached yet [s]
 };
 

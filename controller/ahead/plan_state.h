@@ -59,6 +59,7 @@ struct PlanState {
   bool has_goal = false;
   Isometry X_WG = Isometry::Identity();  ///< goal in the step before
   Path path;                             ///< without motions if there is none
+  bool former = false;                   ///< the path leads to the goal before, and the next way is not known yet
 };
 
 }  // namespace moma

@@ -1,6 +1,7 @@
 #include "controller/case/plan_case.h"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -49,6 +50,8 @@ constexpr void describe(auto& v, Of<PlanState>) {
   v.member("stagnations", &T::stagnations, in_range({0, 1e9}, "", "up to which nothing is news"));
   v.member("fresh", &T::fresh, {.text = "whether the direct policy's memory of detours is cleared"});
   v.member("known", &T::known, in_range({0, 1e9}, "", "objects that were seen in the step before"));
+  v.member("former", &T::former,
+           {.written = Written::kUnlessDefault, .text = "whether the path leads to the goal before"});
 }
 
 namespace {
@@ -57,7 +60,9 @@ using config::MapReader;
 using config::Node;
 
 struct StoredMotion {
-  double start = 0.0, time = 0.0, ramp = 0.0;
+  double start = 0.0, time = 0.0;
+  std::optional<double> ramp;  // both, in files of simulation version 13 and before
+  double rise = 0.0, fall = 0.0;
   std::vector<double> change;
 };
 
@@ -66,7 +71,9 @@ constexpr void describe(auto& v, Of<StoredMotion>) {
   constexpr About kTime{.unit = "s", .range = Range::non_negative(), .required = true};
   v.member("start", &T::start, kTime);
   v.member("time", &T::time, kTime);
-  v.member("ramp", &T::ramp, kTime);
+  v.member("ramp", &T::ramp, non_negative("s", "both of the following"));
+  v.member("rise", &T::rise, non_negative("s", "time of speeding up"));
+  v.member("fall", &T::fall, non_negative("s", "time of slowing down"));
   v.member("change", &T::change, {.required = true, .text = "x, y, phi of the base, and each joint"});
 }
 
@@ -113,11 +120,12 @@ void read_path(const Node& node, const std::string& key, const RobotModel& model
       config::fail(item.mark, at + ".change",
                    "found " + std::to_string(stored.change.size()) + " numbers, expected " +
                        std::to_string(3 + model.num_joints()) + ": x, y, phi of the base, and each joint");
-    if (!(2.0 * stored.ramp <= stored.time * (1.0 + 1e-9)))
-      config::fail(item.mark, at + ".ramp", "expected no more than half of `time`");
-    PathPart& motion = path.motions[static_cast<std::size_t>(path.count++)];
-    motion = {stored.start, stored.time, stored.ramp,
-              Eigen::Map<const VectorX>(stored.change.data(), static_cast<Eigen::Index>(stored.change.size()))};
+    if (stored.ramp) stored.rise = stored.fall = *stored.ramp;
+    if (!(stored.rise + stored.fall <= stored.time * (1.0 + 1e-9)))
+      config::fail(item.mark, at, "expected rise + fall to be no more than `time`");
+    path.add({stored.start,
+              {stored.time, stored.rise, stored.fall},
+              Eigen::Map<const VectorX>(stored.change.data(), static_cast<Eigen::Index>(stored.change.size()))});
   }
   in.finish();
 }
@@ -126,8 +134,11 @@ nlohmann::ordered_json to_json(const Path& path) {
   nlohmann::ordered_json motions = nlohmann::ordered_json::array();
   for (int k = 0; k < path.count; ++k) {
     const PathPart& motion = path.motions[static_cast<std::size_t>(k)];
-    motions.push_back(
-        {{"start", motion.start}, {"time", motion.time}, {"ramp", motion.ramp}, {"change", numbers(motion.change)}});
+    motions.push_back({{"start", motion.start},
+                       {"time", motion.motion.time},
+                       {"rise", motion.motion.rise},
+                       {"fall", motion.motion.fall},
+                       {"change", numbers(motion.change)}});
   }
   nlohmann::ordered_json json = {{"origin", numbers(path.origin)},
                                  {"motions", std::move(motions)},

@@ -61,6 +61,7 @@ std::string choice_now(const ControlCase& c, int number) {
   }
   Choice choice(c.robot.model, c.controller);
   choice.reset(c.objects);
+  choice.set_goal_axes(c.observation.goal.X_WG.linear());
   choice.begin(c.observation, rollout.end() == RolloutEnd::kArrives ? rollout.time() : -1.0, number);
   while (choice.advance(work)) {
   }

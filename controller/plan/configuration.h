@@ -16,6 +16,13 @@ using WholeConfiguration = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + kMaxJ
 
 inline constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
+/// A place and its velocity in W.
+struct MotionState {
+  WholeConfiguration c, v;
+
+  bool moves() const noexcept { return !v.isZero(0.0); }
+};
+
 /// Limits of paths, and lever arms, of one robot with one controller.
 struct MotionLimits {
   MotionLimits(const RobotModel& model, const ControllerParams& params);

@@ -24,7 +24,7 @@ DirectWay::DirectWay(std::shared_ptr<const RobotModel> model, const ControllerPa
       space_(model, limits_),
       ik_(model, params.plan.ik, limits_),
       goal_clearance_(*model),
-      start_(WholeConfiguration::Zero(3 + model->num_joints())) {
+      start_{WholeConfiguration::Zero(3 + model->num_joints()), WholeConfiguration::Zero(3 + model->num_joints())} {
   ends_.reserve(static_cast<std::size_t>(params_.direct));
 }
 
@@ -34,19 +34,19 @@ void DirectWay::set_objects(std::span<const ObjectShape> objects) {
   stage_ = Stage::kDone;
 }
 
-void DirectWay::begin(const WholeConfiguration& start, const Isometry& X_WG,
-                      std::span<const ObjectState> objects) noexcept {
+void DirectWay::begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept {
   start_ = start;
   X_WG_ = X_WG;
   space_.set_states(objects);
-  space_.set_clearances({params_.clearance, params_.self, params_.self}, start);
+  space_.set_clearances({params_.clearance, params_.self, params_.self}, start.c);
   ends_.clear();
   best_.time = kInfinity;
   draws_ = {};
   tries_ = 0;
   next_ = 0;
-  const double at_goal = space_.least_at_goal(goal_clearance_, start, X_WG, params_.clearance);
-  stage_ = at_goal < params_.clearance ? Stage::kDone : Stage::kTries;
+  const double at_goal = space_.least_at_goal(goal_clearance_, start.c, X_WG, params_.clearance);
+  const bool close = at_goal < params_.clearance || (start.moves() && space_.clearances().object < params_.clearance);
+  stage_ = close ? Stage::kDone : Stage::kTries;
 }
 
 bool DirectWay::advance(long& budget) noexcept {
@@ -85,7 +85,7 @@ void DirectWay::work() noexcept {
         stage_ = Stage::kDone;
         return;
       }
-      end.c = start_ + draws_.uniform(params_.direct_way.nearest, kLeastNear) * (best_.c - start_);
+      end.c = start_.c + draws_.uniform(params_.direct_way.nearest, kLeastNear) * (best_.c - start_.c);
       end.stays = best_.stays;
       if (make(end) && end.time < best_.time) take(end);
       return;
@@ -98,41 +98,49 @@ void DirectWay::work() noexcept {
 void DirectWay::seed(End& end) noexcept {
   const DirectWayParams& p = params_.direct_way;
   WholeConfiguration& c = end.c;
-  c = start_;
+  c = start_.c;
   for (int i = 0; i < limits_.num_joints(); ++i)
     c[3 + i] = std::clamp(c[3 + i] + limits_.part[i] * draws_.uniform(-p.joints, p.joints), space_.lower()[i],
                           space_.upper()[i]);
   end.stays = !limits_.mobile() || (limits_.base->nonholonomic() && tries_ % p.stay == 0);
   if (end.stays) return;
-  const Vector2 goal = X_WG_.translation().head<2>(), from = start_.head<2>() - goal;
+  const Vector2 goal = X_WG_.translation().head<2>(), from = start_.c.head<2>() - goal;
   const double stand = std::min(from.norm(), draws_.uniform(p.near, p.far));
   const double angle = std::atan2(from.y(), from.x()) + draws_.uniform(-p.aside, p.aside);
   c.head<2>() = goal + stand * Vector2(std::cos(angle), std::sin(angle));
-  head_along(limits_, start_, SteeredDrive::kThere, c);
+  head_along(limits_, start_.c, SteeredDrive::kThere, c);
 }
 
 // Moves a try to a configuration with E at the goal that the base can reach. False if there is none.
 bool DirectWay::make(End& end) noexcept {
   WholeConfiguration& c = end.c;
-  if (!ik_.solve(space_, X_WG_, c, !end.stays)) return false;
+  const bool steered = steers(end);
+  if (!(steered && end.stays) && !ik_.solve(space_, X_WG_, c, !end.stays)) return false;
   double drive = 0.0;
-  WholeConfiguration from = start_;
-  if (steers(end)) {
-    end.point = c.head<2>();
-    if (!drive_to(end.point)) return false;
+  WholeConfiguration from = start_.c;
+  if (steered) {
+    end.point = end.stays ? start_.c.head<2>() : c.head<2>();
+    if (!drive_to(end)) return false;
     drive = drive_.time();
     from.head<3>() = c.head<3>() = drive_.end();
     if (!ik_.solve(space_, X_WG_, c, false)) return false;
   } else {
-    c[2] = start_[2] + wrapped(c[2] - start_[2]);
+    c[2] = start_.c[2] + wrapped(c[2] - start_.c[2]);
   }
   space_.unwind(c);
-  end.time = std::max(drive, edge_time(limits_, from, c));
+  if (!start_.moves()) {
+    end.time = std::max(drive, edge_time(limits_, from, c));
+    return true;
+  }
+  end.time = std::max(drive, quickest_blend(limits_, Moves::kArm, start_, c).time);
+  if (limits_.base->lateral()) end.time = std::max(end.time, quickest_blend(limits_, Moves::kBase, start_, c).time);
   return true;
 }
 
-bool DirectWay::drive_to(const Vector2& point) noexcept {
-  const bool reached = drive_.plan(limits_, start_.head<3>(), point);
+bool DirectWay::drive_to(const End& end) noexcept {
+  const double cs = std::cos(start_.c[2]), sn = std::sin(start_.c[2]);
+  const Vector2 speeds(cs * start_.v[0] + sn * start_.v[1], start_.v[2]);
+  const bool reached = drive_.plan(limits_, start_.c.head<3>(), speeds, end.point);
   space_.charge(static_cast<long>(drive_.time() / kDriveOfACheck));
   return reached;
 }
@@ -147,25 +155,45 @@ bool DirectWay::take(const End& end) noexcept {
 }
 
 void DirectWay::lay(const End& end) noexcept {
-  WholeConfiguration from = start_;
+  WholeConfiguration from = start_.c;
   if (steers(end)) from.head<3>() = end.c.head<3>();
   make_edge(limits_, from, end.c, edge_);
-  lay_path(limits_, std::span(&edge_, 1), 0.0, path_);
   longest_ = longest_way(limits_, edge_);
-  path_.origin = start_;
   if (steers(end)) {
-    drive_to(end.point);
+    drive_to(end);
     longest_ += drive_.way() + limits_.base_lever * drive_.turned();
-    if (path_.count > 0 && drive_.time() > path_.duration) {  // the arm takes as long as the drive
-      PathPart& arm = path_.motions.front();
-      const Trapezoid motion = edge_.arm.stretched(drive_.time() / edge_.arm.time);
-      arm.time = motion.time;
-      arm.ramp = motion.ramp;
-    }
-    drive_.add_to(path_);
   }
+  if (start_.moves())
+    lay_blends(end);
+  else
+    lay_from_rest(end);
   path_.clearance = space_.clearances().object;
   path_.X_WG = X_WG_;
+}
+
+void DirectWay::lay_from_rest(const End& end) noexcept {
+  lay_path(limits_, std::span(&edge_, 1), 0.0, {}, path_);
+  path_.origin = start_.c;
+  if (!steers(end)) return;
+  if (path_.count > 0 && drive_.time() > path_.duration)  // the arm takes as long as the drive
+    path_.motions.front().motion = edge_.arm.stretched(drive_.time() / edge_.arm.time);
+  drive_.add_to(path_);
+}
+
+void DirectWay::lay_blends(const End& end) noexcept {
+  path_.origin = start_.c;
+  path_.count = 0;
+  path_.duration = 0.0;
+  for (const Moves moves : {Moves::kArm, Moves::kBase}) {
+    if (moves == Moves::kBase && !limits_.base->lateral()) continue;
+    const Blend blend = quickest_blend(limits_, moves, start_, end.c);
+    add_blend(moves, blend, end.time, start_, end.c, path_);
+    const MotionState& from = start_;
+    longest_ += moves == Moves::kBase
+                    ? 0.5 * blend.brake * from.v.head<2>().norm()
+                    : 0.5 * blend.brake * from.v.tail(limits_.num_joints()).cwiseAbs().dot(limits_.lever);
+  }
+  if (steers(end)) drive_.add_to(path_);
 }
 
 // The end first, then the middle, the quarters ...

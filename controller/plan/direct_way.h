@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "controller/plan/blend.h"
 #include "controller/plan/free_space.h"
 #include "controller/plan/path.h"
 #include "controller/plan/steered_drive.h"
@@ -11,21 +12,21 @@
 
 namespace moma {
 
-/// Searches the quickest way without a corner from rest to the goal: base and arm move straight, a differential base
-/// steers to its place (steered_drive.h). Whole-body inverse kinematics around the start give end configurations, and
-/// the robot's speeds and accelerations the time to each. The quickest free way counts. Further tries between the start
-/// and the best end then shorten it.
+/// Searches the quickest way without a corner to the goal: from rest, base and arm move straight; from a motion they go
+/// over into a straight one (blend.h); a differential base steers to its place (steered_drive.h). Whole-body inverse
+/// kinematics around the start give end configurations, and the robot's speeds and accelerations the time to each. The
+/// quickest free way counts. Further tries between the start and the best end then shorten it.
 ///
-/// A goal at which the hand is nearer to an object than a path's clearance has no direct way; the planner serves it
-/// (planner.h). The work consists of pieces (one inverse kinematics, or the checks of one way); its result does not
-/// depend on how they are spread over control steps. Only construction and set_objects() allocate.
+/// A goal at which the hand is nearer to an object than a path's clearance has no direct way, nor has a moving start
+/// that is; the planner serves them (planner.h). The work consists of pieces (one inverse kinematics, or the checks of
+/// one way); its result does not depend on how they are spread over control steps. Only construction and set_objects()
+/// allocate.
 class DirectWay {
  public:
   DirectWay(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
   void set_objects(std::span<const ObjectShape> objects);
-  /// Begins at `start`, where the robot stands.
-  void begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
+  void begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
   /// Works until `budget` checks are spent or the search is complete; subtracts them. True if work is left.
   bool advance(long& budget) noexcept;
 
@@ -38,7 +39,7 @@ class DirectWay {
   struct End {
     WholeConfiguration c;             // end of a way
     Vector2 point = Vector2::Zero();  // the point to which a differential base steers [m]
-    bool stays = false;               // the base does not move
+    bool stays = false;               // the base does not move, or only comes to rest
     double time = kInfinity;          // time of the way [s]
   };
   enum class Stage { kTries, kChecks, kNearer, kDone };
@@ -46,10 +47,14 @@ class DirectWay {
   void work() noexcept;
   void seed(End& end) noexcept;
   bool make(End& end) noexcept;
-  bool drive_to(const Vector2& point) noexcept;
+  bool drive_to(const End& end) noexcept;
   bool take(const End& end) noexcept;
-  bool steers(const End& end) const noexcept { return limits_.base->nonholonomic() && !end.stays; }
+  bool steers(const End& end) const noexcept {
+    return limits_.base->nonholonomic() && (!end.stays || !start_.v.head<3>().isZero(0.0));
+  }
   void lay(const End& end) noexcept;
+  void lay_from_rest(const End& end) noexcept;
+  void lay_blends(const End& end) noexcept;
   bool free() noexcept;
 
   MotionLimits limits_;
@@ -60,7 +65,7 @@ class DirectWay {
   SteeredDrive drive_;
 
   Stage stage_ = Stage::kDone;
-  WholeConfiguration start_;
+  MotionState start_;
   Isometry X_WG_ = Isometry::Identity();
   CountedDraws draws_;
   int tries_ = 0;

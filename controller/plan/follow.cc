@@ -13,6 +13,21 @@ WholeConfiguration PlanarShift::of(const WholeConfiguration& c) const noexcept {
   return out;
 }
 
+MotionState PlanarShift::of(const MotionState& motion) const noexcept {
+  MotionState out{of(motion.c), motion.v};
+  const double cs = std::cos(turn), sn = std::sin(turn);
+  out.v[0] = cs * motion.v[0] - sn * motion.v[1];
+  out.v[1] = sn * motion.v[0] + cs * motion.v[1];
+  return out;
+}
+
+Isometry PlanarShift::back(const Isometry& X) const noexcept {
+  Isometry shift = Isometry::Identity();
+  shift.translation().head<2>() = move;
+  shift.linear() = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix();
+  return shift.inverse() * X;
+}
+
 PlanarShift shift_of_goal(bool mobile, const Isometry& X_WG_then, const Isometry& X_WG_now) noexcept {
   PlanarShift shift;
   if (!mobile) return shift;

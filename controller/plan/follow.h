@@ -11,6 +11,9 @@ struct PlanarShift {
   double turn = 0.0;
 
   WholeConfiguration of(const WholeConfiguration& c) const noexcept;
+  MotionState of(const MotionState& motion) const noexcept;
+  /// Returns the pose that the shift moves to X.
+  Isometry back(const Isometry& X) const noexcept;
 };
 
 /// Returns the shift that moves the goal of the path to the goal as measured now: odometry drifts, and the path follows

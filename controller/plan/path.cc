@@ -12,10 +12,10 @@ enum class Kind { kTurn, kDrive, kArm };
 // limits.
 bool may_overlap(const MotionLimits& limits, const PathPart& last, const Trapezoid& motion,
                  const WholeConfiguration& change) noexcept {
-  if (last.ramp <= 0.0 || motion.ramp <= 0.0) return false;
+  if (last.motion.fall <= 0.0 || motion.rise <= 0.0) return false;
   constexpr double kRounding = 1.0 + 1e-9;
-  const double falls = 1.0 / ((last.time - last.ramp) * last.ramp);
-  const double rises = 1.0 / ((motion.time - motion.ramp) * motion.ramp);
+  const double falls = last.motion.peak() / last.motion.fall;
+  const double rises = motion.peak() / motion.rise;
   const double x = rises * change[0] - falls * last.change[0], y = rises * change[1] - falls * last.change[1];
   if (std::hypot(x, y) > kRounding * limits.linear_acceleration) return false;
   if (std::abs(rises * change[2] - falls * last.change[2]) > kRounding * limits.angular_acceleration) return false;
@@ -37,8 +37,8 @@ class Layout {
     const int last = last_[static_cast<std::size_t>(kind)];
     if (last < 0) return 0.0;
     const PathPart& before = path_->motions[static_cast<std::size_t>(last)];
-    const double early = std::min({overlap_, before.ramp, motion.ramp});
-    return before.start + before.time - (may_overlap(*limits_, before, motion, change) ? early : 0.0);
+    const double early = std::min({overlap_, before.motion.fall, motion.rise});
+    return before.end() - (may_overlap(*limits_, before, motion, change) ? early : 0.0);
   }
   // When it begins as the successor of what ends last.
   double begin(Kind kind, const Trapezoid& motion, const WholeConfiguration& change) const noexcept {
@@ -46,15 +46,22 @@ class Layout {
     return std::max({end_ - early, free_from(kind, motion, change), 0.0});
   }
   void put(Kind kind, double start, const Trapezoid& motion, const WholeConfiguration& change) noexcept {
-    if (path_->count == Path::kMostMotions) {
+    if (!path_->add({start, motion, change})) {
       full_ = true;
       return;
     }
-    last_[static_cast<std::size_t>(kind)] = path_->count;
-    path_->motions[static_cast<std::size_t>(path_->count++)] = {start, motion.time, motion.ramp, change};
+    last_[static_cast<std::size_t>(kind)] = path_->count - 1;
     if (start + motion.time < end_) return;
     end_ = start + motion.time;
     end_time_ = motion.time;
+  }
+
+  // The first motion, of all kinds, without a rise.
+  void brake(double time, const WholeConfiguration& change) noexcept {
+    path_->add({0.0, {time, 0.0, time}, change});
+    last_.fill(0);
+    end_ = time;
+    end_time_ = 2.0 * time;  // all of it may overlap
   }
 
  private:
@@ -73,12 +80,41 @@ void Path::at(double t, WholeConfiguration& c) const noexcept {
   c = origin;
   for (int k = 0; k < count; ++k) {
     const PathPart& motion = motions[static_cast<std::size_t>(k)];
-    const double part = Trapezoid{motion.time, motion.ramp}.part(t - motion.start);
+    const double part = motion.motion.part(t - motion.start);
     if (part > 0.0) c += part * motion.change;
   }
 }
 
-bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double overlap, Path& path) noexcept {
+void Path::velocity(double t, double h, WholeConfiguration& v) const noexcept {
+  WholeConfiguration before;
+  at(t - h, before);
+  at(t + h, v);
+  v = (v - before) / (2.0 * h);
+}
+
+bool Path::add(const PathPart& part) noexcept {
+  if (count == kMostMotions) return false;
+  motions[static_cast<std::size_t>(count++)] = part;
+  return true;
+}
+
+void Path::begin_earlier(double time) noexcept {
+  for (PathPart& part : std::span(motions).first(static_cast<std::size_t>(count))) {
+    Trapezoid& motion = part.motion;
+    if (part.start > 0.0 || motion.rise > 0.0 || motion.fall <= 0.0) {
+      part.start += time;
+      continue;
+    }
+    const WholeConfiguration before = time * motion.peak() * part.change;
+    motion.time += time;
+    part.change += before;
+    origin -= before;
+  }
+  duration += time;
+}
+
+bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double overlap, const Braking& braking,
+              Path& path) noexcept {
   path.count = 0;
   path.duration = 0.0;
   if (edges.empty()) return false;
@@ -86,6 +122,10 @@ bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double ov
   const Eigen::Index joints = limits.num_joints();
   WholeConfiguration change = WholeConfiguration::Zero(3 + joints);
   Layout layout(limits, overlap, path);
+  if (braking.time > 0.0) {
+    path.origin = braking.from;
+    layout.brake(braking.time, edges.front().a - braking.from);
+  }
   for (const Edge& edge : edges) {
     // The slower of base and arm sets the speed.
     const double slower = edge.base_time() > 0.0 ? edge.time / edge.base_time() : 1.0;

@@ -8,18 +8,20 @@
 
 namespace moma {
 
-/// A motion of a path: it adds `change` to the configuration between `start` and `start + time`, as a trapezoid.
+/// A motion of a path: it adds `change` to the configuration from the time `start` on the path's clock [s] on.
 struct PathPart {
-  double start = 0.0;  ///< time on the path's clock [s]
-  double time = 0.0;   ///< [s]
-  double ramp = 0.0;   ///< time of speeding up, and of slowing down [s]
+  double start = 0.0;
+  Trapezoid motion;
   WholeConfiguration change;
+
+  double end() const noexcept { return start + motion.time; }
 };
 
-/// A timed path of base and arm: overlapping motions, each from rest to rest, in a fixed size. Its axes are the world's
-/// at the time of planning, when the goal was at X_WG.
+/// A timed path of base and arm to rest: overlapping motions in a fixed size. Those of a robot in motion begin at its
+/// velocity: a motion without a rise slows it down while others begin. Its axes are the world's at the time of
+/// planning, when the goal was at X_WG.
 struct Path {
-  static constexpr int kMostMotions = 40;
+  static constexpr int kMostMotions = 44;
 
   WholeConfiguration origin;
   std::array<PathPart, kMostMotions> motions;
@@ -32,11 +34,24 @@ struct Path {
 
   /// Computes the configuration at time t, clamped to the path's ends. The path must have motions.
   void at(double t, WholeConfiguration& c) const noexcept;
+  /// Computes the velocity at time t from the configurations at t - h and t + h.
+  void velocity(double t, double h, WholeConfiguration& v) const noexcept;
+  /// Adds a motion. False if the path cannot hold it.
+  bool add(const PathPart& part) noexcept;
+  /// Lets the path begin `time` seconds earlier, at the velocity with which it begins.
+  void begin_earlier(double time) noexcept;
 };
 
-/// Makes motions of edges. Each motion begins up to `overlap` seconds before the end of the one before it, at most half
-/// of the shorter one's time. Motions of the same kind overlap by a ramp, so that their summed speeds keep the limits.
-/// False if the path cannot hold all motions.
-bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double overlap, Path& path) noexcept;
+/// The way in which a robot slows down evenly from a configuration to rest at a path's first edge.
+struct Braking {
+  WholeConfiguration from;
+  double time = 0.0;  ///< [s]; 0: it stands there
+};
+
+/// Makes motions of edges, after the braking. Each motion begins up to `overlap` seconds before the end of the one
+/// before it, at most half of the shorter one's time. Motions of the same kind overlap by a ramp, so that their summed
+/// speeds keep the limits. False if the path cannot hold all motions.
+bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double overlap, const Braking& braking,
+              Path& path) noexcept;
 
 }  // namespace moma

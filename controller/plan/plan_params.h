@@ -116,7 +116,7 @@ constexpr void describe(auto& v, Of<FollowParams>) {
   v.member("heading", &T::heading, non_negative("m/rad", "lag of an error of the heading"));
   v.member("joint", &T::joint, non_negative("m/rad", "lag of an error of a joint"));
   v.member("across", &T::across, non_negative("rad/m^2", "turn to the path per metre beside it and metre driven"));
-  v.member("rate", &T::rate, positive("1/s", "least gain of the rows' dampers on a path of small clearance"));
+  v.member("rate", &T::rate, positive("1/s", "least gain of the rows' dampers on a path"));
   v.member("kept", &T::kept, in_range({0.0, 1.0}, "1", "share of the path's clearances that rows keep"));
   v.member("to_end", &T::to_end, {.text = "a path of less than plan.clearance is followed to its end"});
 }
@@ -128,6 +128,7 @@ struct DecisionParams {
   double go_on_driving = 0.52, go_on_standing = 0.24;
   double sure = 0.5;
   double soon = 0.3;
+  double way_ahead = 0.12, way_gain = 0.05;
   double arrived = 0.005, arrived_close = 0.0005;
   double tolerance = 0.7;
   double progress = 0.05;
@@ -150,6 +151,9 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("go_on_standing", &T::go_on_standing, non_negative("s", "a fixed arm goes on for this time"));
   v.member("sure", &T::sure, non_negative("s", "time beyond that without contact, or the robot stops"));
   v.member("soon", &T::soon, non_negative("s", "a goal predicted to be reached within this time needs no choice"));
+  v.member("way_ahead", &T::way_ahead,
+           non_negative("s", "a direct way from a motion begins where the path has the robot after this time"));
+  v.member("way_gain", &T::way_gain, non_negative("s", "time by which it is quicker than the rest of the path"));
   v.member("arrived", &T::arrived, non_negative("m", "lag at a path's end at which the policy takes over"));
   v.member("arrived_close", &T::arrived_close, non_negative("m", "the same where the goal is close to an object"));
   v.member("tolerance", &T::tolerance,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "controller/plan/shorten.h"
@@ -23,6 +24,8 @@ constexpr double kOverlapped = 0.75, kShortened = 0.6;
 constexpr std::array<double, 3> kRoom{1.0, 1.0, 0.0};
 // Distance of goals beyond the rows' stop distances, at which the robot would not arrive [m].
 constexpr double kWithinRows = 0.002;
+// Poses of a goal with free directions whose distances from objects are looked at.
+constexpr int kPoses = 8;
 
 double least_of(const DamperParams& rows, double clearance) noexcept {
   return rows.enabled ? std::min(clearance, rows.stop + kWithinRows) : 0.0;
@@ -61,19 +64,21 @@ void Planner::set_objects(std::span<const ObjectShape> objects) {
 }
 
 void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
-                    std::uint64_t seed, double within) noexcept {
-  const bool same = stage_ != PlanStage::kIdle && same_world(X_WG, objects);
+                    std::uint64_t seed, double within, const Braking& braking, const FreeDirections& free) noexcept {
+  const bool same = stage_ != PlanStage::kIdle && !free.any() && same_world(X_WG, objects);
   if (!same) effort_ = 1;
   if (same && stage_ == PlanStage::kFailed) effort_ = std::min(2 * effort_, params_.search.effort);
   within_ = within;
   start_ = start;
+  braking_ = braking;
   X_WG_ = X_WG;
+  free_ = free;
   draws_ = {seed, 0};
   space_.set_states(objects);
   counts_ = {};
   needed_ = kInfinity;
   if (at_goal_.enabled) {
-    const double needed = space_.least_at_goal(goal_clearance_, start, X_WG, params_.clearance);
+    const double needed = needed_at_goal();
     if (needed < params_.clearance) needed_ = needed;
   }
   // If the hand is near an object at its goal, no way is roomy.
@@ -209,8 +214,42 @@ void Planner::try_goal() noexcept {
   ++counts_.ik_tries;
   GoalConfiguration goal;
   const bool off = params_.search.off_goal > 0.0 && close_goal() && aim == last_tier() && goals_.empty() && effort_ > 1;
-  if (ik_.find(space_, off ? near_goal() : X_WG_, start_, goals_, tries_++, draws_, goal.c)) take_goal(goal);
+  const bool drawn = free_.any() && tries_ % 2 == 1;
+  const Isometry X_WG = off ? near_goal() : drawn ? allowed_pose() : X_WG_;
+  if (ik_.find(space_, X_WG, start_, goals_, tries_++, draws_, goal.c)) take_goal(goal);
   space_.keep(tiers_[static_cast<std::size_t>(tier_)]);
+}
+
+// Draws one of the poses that a goal with free directions allows: places up to ik.far from the nearest one, and any
+// free rotation. With two free rotations R_GE is a swing about an axis between theirs (nearest_pose()).
+Isometry Planner::allowed_pose() noexcept {
+  Isometry X = X_WG_;
+  Vector3 way = Vector3::Zero();
+  for (int i = 0; i < 3; ++i)
+    if (free_.free[3 + i] != 0.0) way[i] = draws_.uniform(-params_.ik.far, params_.ik.far);
+  X.translation() += free_.R_WG * way;
+  Vector3 axis = Vector3::Zero();
+  int turns = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (free_.free[i] == 0.0) continue;
+    axis[i] = draws_.uniform(-1.0, 1.0);
+    ++turns;
+  }
+  const double length = axis.norm();
+  if (length < 1e-9) return X;
+  const double angle = draws_.uniform(-std::numbers::pi, std::numbers::pi);
+  const Matrix3 turn = Eigen::AngleAxisd(angle, axis / length).toRotationMatrix();
+  X.linear() = (turns == 2 ? free_.R_WG : X_WG_.linear()) * turn;
+  return X;
+}
+
+// Returns the hand's distance at the goal; the largest of some poses if it allows several.
+double Planner::needed_at_goal() noexcept {
+  const double range = params_.clearance;
+  double needed = space_.least_at_goal(goal_clearance_, start_, X_WG_, range);
+  for (int i = 0; i < kPoses && free_.any() && needed < range; ++i)
+    needed = std::max(needed, space_.least_at_goal(goal_clearance_, start_, allowed_pose(), range));
+  return needed;
 }
 
 // Draws a pose within a share of the goal's tolerances.
@@ -347,17 +386,19 @@ bool Planner::next_tier() noexcept {
   return true;
 }
 
-// Where motions overlap, half the clearances suffice. Without overlap the path is that of the edges.
+// Where motions overlap, half the clearances suffice. Without overlap the path is that of the edges, after a braking
+// that nothing can change.
 void Planner::lay() noexcept {
   if (laid_ < 0) {
-    if (!lay_path(*limits_, best_.all(), overlap_, path_)) {
+    const Braking none;
+    if (!lay_path(*limits_, best_.all(), overlap_, close_goal() ? none : braking_, path_)) {
       stage_ = PlanStage::kFailed;
       return;
     }
     path_.X_WG = X_WG_;
     path_.clearance = space_.clearances().object;
     path_.kept_at_goal = space_.kept().at_goal;
-    laid_ = 0;
+    laid_ = overlap_ > 0.0 || close_goal() ? 0 : static_cast<int>(braking_.time / kMoment);
   }
   constexpr int kAtOnce = 16;
   const Clearances& whole = space_.clearances();

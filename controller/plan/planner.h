@@ -15,6 +15,14 @@ namespace moma {
 /// Stage of a plan.
 enum class PlanStage { kIdle, kGoals, kSearch, kShorten, kLay, kFound, kFailed };
 
+/// Directions that a goal leaves free (GoalState::free), and its axes, in which places along them lie.
+struct FreeDirections {
+  Vector6 free = Vector6::Zero();
+  Matrix3 R_WG = Matrix3::Identity();
+
+  bool any() const noexcept { return !free.isZero(0.0); }
+};
+
 /// Work of one plan.
 struct PlanCounts {
   long checks = 0;
@@ -23,10 +31,11 @@ struct PlanCounts {
   int runs = 0;
 };
 
-/// Plans a timed path of base and arm from rest to one of many configurations with E at the goal:
+/// Plans a timed path of base and arm to one of many configurations with E at the goal:
 ///
 /// 1. Whole-body inverse kinematics give goal configurations that the controller's rows admit (whole_body_ik.h), the
-///    cheapest first. Each counts from the first tier on in which it is free.
+///    cheapest first. Each counts from the first tier on in which it is free. Of a goal with free directions every
+///    second try draws these.
 /// 2. A search gives edges to one of them (search.h), and shortcuts shorten them (shorten.h). Each further run searches
 ///    the ellipse in which a quicker way can lie. The quickest counts.
 /// 3. A path overlaps the motions of the edges if half the clearances hold, otherwise it runs them in turn (path.h).
@@ -41,11 +50,13 @@ class Planner {
   Planner(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
   void set_objects(std::span<const ObjectShape> objects);
-  /// Begins a plan from rest at `start` among visible objects at rest. The plan fails if it finds no path quicker than
-  /// `within` [s]. If goal and objects are those of the last plan, it keeps that plan's goal configurations and their
-  /// tree and continues in its tier, with twice the work if it failed.
+  /// Begins a plan from `start`, where the robot rests after `braking`, among visible objects at rest. Its path
+  /// includes the braking, unless the goal is close to an object: then it begins at rest. The plan fails if it finds no
+  /// path quicker than `within` [s]. If goal and objects are those of the last plan, it keeps that plan's goal
+  /// configurations and their tree and continues in its tier, with twice the work if it failed.
   void begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
-             std::uint64_t seed, double within = std::numeric_limits<double>::infinity()) noexcept;
+             std::uint64_t seed, double within = kInfinity, const Braking& braking = {},
+             const FreeDirections& free = {}) noexcept;
   /// Works until `budget` checks are spent or the plan ends; subtracts them. The last piece of work may leave `budget`
   /// negative. True if work is left.
   bool advance(long& budget) noexcept;
@@ -80,6 +91,8 @@ class Planner {
   void begin_search() noexcept;
   void try_goal() noexcept;
   Isometry near_goal() noexcept;
+  Isometry allowed_pose() noexcept;
+  double needed_at_goal() noexcept;
   void take_goal(GoalConfiguration& goal) noexcept;
   long tier_checks() const noexcept;
   int last_tier() const noexcept;
@@ -107,8 +120,10 @@ class Planner {
 
   PlanStage stage_ = PlanStage::kIdle;
   WholeConfiguration start_;
+  Braking braking_;
   WholeConfiguration turn_;  // joints that wind keep to its turn
   Isometry X_WG_ = Isometry::Identity();
+  FreeDirections free_;
   CountedDraws draws_;
   static constexpr int kTiers = 3;
   std::array<Keeps, kTiers> tiers_;

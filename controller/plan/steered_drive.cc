@@ -22,16 +22,17 @@ double stopping(double room, double deceleration) noexcept { return stoppable_sp
 
 }  // namespace
 
-bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const Vector2& point) noexcept {
+bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const Vector2& now,
+                        const Vector2& point) noexcept {
   time_ = spacing_ = way_ = turned_ = 0.0;
   end_ = from;
   std::array<Vector2, kMostSteps + 1> speeds;  // (v, omega)
-  speeds[0].setZero();
+  speeds[0] = now;
   Vector3 at = from;
-  double v = 0.0, omega = 0.0;  // v along the driving direction
   const Vector2 first = point - from.head<2>();
   bool there = first.norm() < kThere;
   const double direction = std::cos(from.z()) * first.x() + std::sin(from.z()) * first.y() < 0.0 ? -1.0 : 1.0;
+  double v = direction * now[0], omega = now[1];  // v along the driving direction
   int steps = 0;
   while (!there || v != 0.0 || omega != 0.0) {
     if (steps == kMostSteps) {
@@ -61,9 +62,13 @@ bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const V
   if (steps == 0) return true;
   time_ = steps * kStep;
   spacing_ = time_ / (kNodes + 1);
-  double before = 0.0;
-  for (int i = 0; i < kNodes; ++i) {
-    const double place = (i + 1.0) * steps / (kNodes + 1);
+  speed_[0] << now[0] * std::cos(from.z()), now[0] * std::sin(from.z()), now[1];
+  end_.head<2>() += 0.5 * spacing_ * speed_[0].head<2>();
+  way_ = 0.5 * spacing_ * std::abs(now[0]);
+  turned_ = 0.5 * spacing_ * std::abs(now[1]);
+  double before = now[1];
+  for (int i = 1; i <= kNodes; ++i) {
+    const double place = static_cast<double>(i) * steps / (kNodes + 1);
     const auto k = static_cast<std::size_t>(place);
     const Vector2 u = speeds[k] + (place - static_cast<double>(k)) * (speeds[k + 1] - speeds[k]);
     end_.z() += 0.5 * spacing_ * (before + u[1]);  // the heading that the parts have come to by then
@@ -80,11 +85,14 @@ bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const V
 
 void SteeredDrive::add_to(Path& path) const noexcept {
   if (time_ <= 0.0) return;
-  for (int i = 0; i < kNodes; ++i) {
-    PathPart& part = path.motions[static_cast<std::size_t>(path.count++)];
-    part = {i * spacing_, 2.0 * spacing_, spacing_, WholeConfiguration::Zero(path.origin.size())};
-    part.change.head<3>() = spacing_ * speed_[static_cast<std::size_t>(i)];
-  }
+  const auto add = [&](double start, const Trapezoid& motion, const Vector3& change) {
+    PathPart part{start, motion, WholeConfiguration::Zero(path.origin.size())};
+    part.change.head<3>() = change;
+    path.add(part);
+  };
+  if (!speed_[0].isZero(0.0)) add(0.0, {spacing_, 0.0, spacing_}, 0.5 * spacing_ * speed_[0]);
+  for (int i = 1; i <= kNodes; ++i)
+    add((i - 1) * spacing_, {2.0 * spacing_, spacing_, spacing_}, spacing_ * speed_[static_cast<std::size_t>(i)]);
   path.duration = std::max(path.duration, time_);
 }
 

@@ -6,8 +6,8 @@
 
 namespace moma {
 
-/// A differential base's drive to a point, from rest to rest. The base turns to the point while it drives, instead of
-/// turning on the spot first, and keeps the heading with which it arrives:
+/// A differential base's drive to a point, from its present speeds to rest. The base turns to the point while it
+/// drives, instead of turning on the spot first, and keeps the heading with which it arrives:
 ///
 ///   v = cos(off) min(linear, stoppable_speed(d)),   omega = sign(off) min(angular, stoppable_speed(|off|)),
 ///
@@ -17,13 +17,13 @@ namespace moma {
 class SteeredDrive {
  public:
   /// Largest number of path parts of a drive.
-  static constexpr int kNodes = Path::kMostMotions - 2;
+  static constexpr int kNodes = 38;
   static constexpr double kMostTime = 10.0;  ///< [s]
   static constexpr double kThere = 0.003;    ///< distance at which a point is reached [m]
 
-  /// Plans from (x, y, phi) to `point` [m]. False if that takes longer than kMostTime: an arc never reaches some
-  /// points. Cost: time/20 ms steps of simulation, about 0.1 us each. Does not allocate.
-  bool plan(const MotionLimits& limits, const Vector3& from, const Vector2& point) noexcept;
+  /// Plans from (x, y, phi), at the speeds (v, omega), to `point` [m]. False if that takes longer than kMostTime: an
+  /// arc never reaches some points. Cost: time/20 ms steps of simulation, about 0.1 us each. Does not allocate.
+  bool plan(const MotionLimits& limits, const Vector3& from, const Vector2& speeds, const Vector2& point) noexcept;
 
   double time() const noexcept { return time_; }
   /// End of the parts of add_to(), at most a few centimetres from the point.
@@ -35,7 +35,7 @@ class SteeredDrive {
   void add_to(Path& path) const noexcept;
 
  private:
-  std::array<Vector3, kNodes> speed_;  // (vx, vy, omega) in W at times (i + 1) spacing_
+  std::array<Vector3, kNodes + 1> speed_;  // (vx, vy, omega) in W at times i spacing_
   double spacing_ = 0.0, time_ = 0.0, way_ = 0.0, turned_ = 0.0;
   Vector3 end_ = Vector3::Zero();
 };

@@ -5,23 +5,26 @@
 
 namespace moma {
 
-/// A motion from rest to rest: speed rises evenly for `ramp` seconds, stays, and falls for as long.
+/// A motion to rest: speed rises evenly for `rise` seconds, stays, and falls evenly for `fall` seconds. Without a rise
+/// it begins at its full speed.
 struct Trapezoid {
-  double time = 0.0;  ///< duration [s]
-  double ramp = 0.0;  ///< time of speeding up, at most half the duration [s]
+  double time = 0.0;  ///< duration, at least rise + fall [s]
+  double rise = 0.0;  ///< time of speeding up [s]
+  double fall = 0.0;  ///< time of slowing down [s]
 
+  /// Returns the full speed, in ways per second.
+  double peak() const noexcept { return 1.0 / (time - 0.5 * (rise + fall)); }
   /// Returns the part of the way at time t: 0 before the start, 1 after the end.
   double part(double t) const noexcept {
     if (t <= 0.0) return time > 0.0 ? 0.0 : 1.0;
     if (t >= time) return 1.0;
-    const double peak = 1.0 / (time - ramp);
-    if (t < ramp) return 0.5 * peak / ramp * t * t;
-    if (t > time - ramp) return 1.0 - 0.5 * peak / ramp * (time - t) * (time - t);
-    return peak * (t - 0.5 * ramp);
+    if (t < rise) return 0.5 * peak() / rise * t * t;
+    if (t > time - fall) return 1.0 - 0.5 * peak() / fall * (time - t) * (time - t);
+    return peak() * (t - 0.5 * rise);
   }
 
   /// Returns the same motion in `factor` >= 1 times the time.
-  Trapezoid stretched(double factor) const noexcept { return {factor * time, factor * ramp}; }
+  Trapezoid stretched(double factor) const noexcept { return {factor * time, factor * rise, factor * fall}; }
 };
 
 /// Returns the quickest trapezoid. A single way L with speed v and acceleration a has at_speed = L/v, square = L/a;
@@ -29,10 +32,10 @@ struct Trapezoid {
 /// + max(at_speed, square/r) is least at r = square/at_speed, or at r = sqrt(square) where the peak is not reached.
 inline Trapezoid quickest(double at_speed, double square) noexcept {
   if (at_speed <= 0.0) return {};
-  if (square <= 0.0) return {at_speed, 0.0};
+  if (square <= 0.0) return {at_speed, 0.0, 0.0};
   const double root = std::sqrt(square);
-  if (root >= at_speed) return {2.0 * root, root};
-  return {at_speed + square / at_speed, square / at_speed};
+  if (root >= at_speed) return {2.0 * root, root, root};
+  return {at_speed + square / at_speed, square / at_speed, square / at_speed};
 }
 
 inline Trapezoid quickest_way(double length, double speed, double acceleration) noexcept {

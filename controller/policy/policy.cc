@@ -36,7 +36,7 @@ class PathPolicy final : public Policy {
     const Near near = parts_.poser.look(now);
     enter(now.clock, StepPart::kAhead);
     Lookahead& ahead = *parts_.lookahead;
-    ahead.decide(now.o, now.servo.error);
+    ahead.decide(now.o, now.servo.error, now.servo.R_WG);
     if (ahead.begins_anew()) parts_.escape.reset();
     begun_with_ = parts_.escape.state();
     if (!ahead.guides()) return servo_.aim(now, near);

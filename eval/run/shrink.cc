@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -57,9 +58,23 @@ Json without(Json section, const std::string& place) {
 double rounded(double value, double step) { return std::round(value / step) / std::round(1.0 / step) + 0.0; }
 
 bool at_rest(const World& world) {
-  return std::holds_alternative<StaticMotion>(world.goal.motion) &&
-         std::all_of(world.objects.begin(), world.objects.end(),
+  for (std::size_t i = 0; i <= world.further.size(); ++i)
+    if (!std::holds_alternative<StaticMotion>(goal_of(world, i).motion)) return false;
+  return std::all_of(world.objects.begin(), world.objects.end(),
                      [](const WorldObject& object) { return std::holds_alternative<StaticMotion>(object.motion); });
+}
+
+/// Calls move(position) of each goal at rest. False if there is none.
+bool move_goals(World& world, const std::function<Vector3(const Vector3&)>& move) {
+  bool any = false;
+  const auto one = [&](WorldGoal& goal) {
+    if (!std::holds_alternative<StaticMotion>(goal.motion)) return;
+    set_pose(goal, move(goal.X_WG.translation()), goal.file_rotation);
+    any = true;
+  };
+  one(world.goal);
+  for (WorldGoal& goal : world.further) one(goal);
+  return any;
 }
 
 class Shrinker {
@@ -86,6 +101,7 @@ class Shrinker {
     out_.objects_before = now_.world.objects.size();
     try {
       least_ = std::clamp(failing(rows({now_}).front(), now_), 1, std::max(1, request_.noises / 2));
+      drop_goals();
       shrink_objects();
       switch_off();
       bring_to_rest();
@@ -219,12 +235,29 @@ class Shrinker {
     if (const auto found = take(candidates)) out_.changed.push_back(fmt::format(fmt::runtime(what), used[*found]));
   }
 
+  void drop_goals() {
+    for (std::size_t before = now_.world.further.size(); before > 0;) {
+      std::vector<double> numbers;
+      for (std::size_t i = 0; i <= before; ++i) numbers.push_back(static_cast<double>(i + 1));
+      simplify("without goal {:g}", numbers, [](SmallerWorld& candidate, double number) {
+        World& world = candidate.world;
+        const auto at = static_cast<std::ptrdiff_t>(number) - 1;
+        if (at == 0) world.goal = world.further.front();
+        world.further.erase(world.further.begin() + std::max<std::ptrdiff_t>(0, at - 1));
+        (world.further.empty() ? world.goal : world.further.back()).stop = true;
+        return true;
+      });
+      before = now_.world.further.size() < before ? now_.world.further.size() : 0;
+    }
+  }
+
   void bring_to_rest() {
     simplify("everything at rest", {0.0}, [](SmallerWorld& candidate, double) {
       World& world = candidate.world;
       if (at_rest(world)) return false;
       for (WorldObject& object : world.objects) object.motion = StaticMotion{};
       world.goal.motion = StaticMotion{};
+      for (WorldGoal& goal : world.further) goal.motion = StaticMotion{};
       return true;
     });
   }
@@ -255,11 +288,7 @@ class Shrinker {
     kinematics.update(now_.world.start.base, now_.world.start.q);
     const Vector3 tip = kinematics.X_WE().translation();
     simplify("goal at {:g} of its distance", {0.25, 0.5, 0.75}, [&](SmallerWorld& candidate, double part) {
-      World& world = candidate.world;
-      if (!std::holds_alternative<StaticMotion>(world.goal.motion)) return false;
-      const Vector3 goal = world.goal.X_WG.translation();
-      set_pose(world.goal, tip + part * (goal - tip), world.goal.file_rotation);
-      return true;
+      return move_goals(candidate.world, [&](const Vector3& goal) { return Vector3(tip + part * (goal - tip)); });
     });
   }
 
@@ -285,11 +314,9 @@ class Shrinker {
       return !world.objects.empty();
     });
     simplify("goal to {:g} m", {0.1, 0.05, 0.01, 0.001}, [](SmallerWorld& candidate, double step) {
-      World& world = candidate.world;
-      if (!std::holds_alternative<StaticMotion>(world.goal.motion)) return false;
-      const Vector3 position = world.goal.X_WG.translation().unaryExpr([&](double x) { return rounded(x, step); });
-      set_pose(world.goal, position, world.goal.file_rotation);
-      return true;
+      return move_goals(candidate.world, [&](const Vector3& goal) {
+        return Vector3(goal.unaryExpr([&](double x) { return rounded(x, step); }));
+      });
     });
     simplify("start to {:g}", {0.1, 0.05, 0.01, 0.001}, [](SmallerWorld& candidate, double step) {
       World& world = candidate.world;

@@ -56,17 +56,21 @@ void look_at(const World& world, const std::shared_ptr<const RobotModel>& model,
   const auto touching = proximity.query(kinematics, states, {0.0, 0.0, 0.0});
   if (!touching.empty() && look.in_touch++ == 0) look.first_touch = pair_text(world, *model, touching.front());
 
-  // Moves the objects instead of the robot to put E at the goal, whatever the arm's configuration.
-  const Isometry move = kinematics.X_WE() * goal_state(world, 0.0).X_WG.inverse();
-  for (ObjectState& state : states) state.X_WO = move * state.X_WO;
+  // Moves the objects instead of the robot to put E at each goal, whatever the arm's configuration.
   ProximityPair nearest;
   nearest.distance.d = kFar;
   (void)proximity.place(kinematics);
-  for (const int shape : model->hand_shapes()) {
-    for (std::size_t k = 0; k < states.size(); ++k) {
-      if (in_motion(states[k])) continue;
-      const auto distance = proximity.within(PairKind::kObject, shape, static_cast<int>(k), states, nearest.distance.d);
-      if (distance) nearest = {PairKind::kObject, shape, static_cast<int>(k), *distance};
+  for (std::size_t goal = 0; goal <= world.further.size(); ++goal) {
+    object_states(world, 0.0, states);
+    const Isometry move = kinematics.X_WE() * goal_state(world, 0.0, goal).X_WG.inverse();
+    for (ObjectState& state : states) state.X_WO = move * state.X_WO;
+    for (const int shape : model->hand_shapes()) {
+      for (std::size_t k = 0; k < states.size(); ++k) {
+        if (in_motion(states[k])) continue;
+        const int object = static_cast<int>(k);
+        const auto distance = proximity.within(PairKind::kObject, shape, object, states, nearest.distance.d);
+        if (distance) nearest = {PairKind::kObject, shape, object, *distance};
+      }
     }
   }
   const bool near = nearest.distance.d < kFar;

@@ -14,7 +14,7 @@ namespace moma::run {
 
 /// Statistics of worlds: starts in contact, and gaps between tool and objects at the goals.
 struct WorldLook {
-  /// Gap between the tool and the nearest object at a goal.
+  /// Gap between the tool and the nearest object at a world's goals.
   struct Gap {
     double d = 0.0;     ///< infinite if nothing is nearer than 0.5 m [m]
     std::string where;  ///< "world 3, panda_hand and can"
@@ -25,7 +25,7 @@ struct WorldLook {
 };
 
 /// Examines a world of the robot at t = 0. At the start all pairs that can collide count: objects, floor and the robot
-/// itself. At the goal only pairs that no configuration changes count: shapes that are rigid with the tool against
+/// itself. At the goals only pairs that no configuration changes count: shapes that are rigid with the tool against
 /// objects at rest. Costs about three configurations' distances.
 void look_at(const World& world, const std::shared_ptr<const RobotModel>& model, WorldLook& look);
 

@@ -54,7 +54,7 @@ TEST_P(Drives, AUnicycleFollowsWithinItsLimits) {
     const double bearing = uniform_in(engine, -kPi, kPi), away = uniform_in(engine, 0.0, 4.0);
     const Vector3 from(uniform_in(engine, -2.0, 2.0), uniform_in(engine, -2.0, 2.0), uniform_in(engine, -4.0, 4.0));
     const Vector2 point = from.head<2>() + away * Vector2(std::cos(bearing), std::sin(bearing));
-    if (!drive.plan(limits, from, point)) continue;
+    if (!drive.plan(limits, from, Vector2::Zero(), point)) continue;
     ++reached;
     Path path;
     path.origin = from;
@@ -107,12 +107,43 @@ TEST_P(Drives, AUnicycleFollowsWithinItsLimits) {
   EXPECT_GT(fastest_wheel, 0.6 * limits.rim_speed);
 }
 
+TEST(SteeredDrive, BeginsAtItsSpeeds) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  const MotionLimits limits(*model, plan_params(*model));
+  std::mt19937_64 engine(3);
+  SteeredDrive drive;
+  int reached = 0;
+  for (int k = 0; k < 100; ++k) {
+    const double bearing = uniform_in(engine, -kPi, kPi), away = uniform_in(engine, 0.0, 4.0);
+    const Vector3 from(0.5, -1.0, uniform_in(engine, -4.0, 4.0));
+    const Vector2 now(uniform_in(engine, -limits.linear, limits.linear),
+                      uniform_in(engine, -0.5 * limits.angular, 0.5 * limits.angular));
+    const Vector2 point = from.head<2>() + away * Vector2(std::cos(bearing), std::sin(bearing));
+    if (!drive.plan(limits, from, now, point)) continue;
+    ++reached;
+    Path path;
+    path.origin = from;
+    drive.add_to(path);
+    const double h = 0.001;
+    WholeConfiguration c;
+    path.at(h, c);
+    const Vector3 u = (c - from) / h;
+    EXPECT_NEAR(u.x(), now[0] * std::cos(from.z()), 0.02) << "drive " << k;
+    EXPECT_NEAR(u.y(), now[0] * std::sin(from.z()), 0.02) << "drive " << k;
+    EXPECT_NEAR(u.z(), now[1], 0.02) << "drive " << k;
+    path.at(path.duration, c);
+    EXPECT_LT((c - drive.end()).norm(), 1e-9);
+    EXPECT_LT((drive.end().head<2>() - point).norm(), 0.06) << "drive " << k;
+  }
+  EXPECT_GT(reached, 70);
+}
+
 TEST(SteeredDrive, APointThatIsReachedNeedsNoDrive) {
   const auto model = load_model("configs/robots/frankie.yaml");
   const MotionLimits limits(*model, plan_params(*model));
   SteeredDrive drive;
   const Vector3 from(1.0, -1.0, 0.5);
-  ASSERT_TRUE(drive.plan(limits, from, from.head<2>()));
+  ASSERT_TRUE(drive.plan(limits, from, Vector2::Zero(), from.head<2>()));
   EXPECT_EQ(drive.time(), 0.0);
   EXPECT_EQ(drive.end(), from);
   Path path;
@@ -122,12 +153,16 @@ TEST(SteeredDrive, APointThatIsReachedNeedsNoDrive) {
 
 class DirectWayOf : public testing::TestWithParam<std::string> {
  protected:
-  DirectWayOf() : model(load_model(GetParam())), params(plan_params(*model)), direct(model, params) {}
+  DirectWayOf()
+      : model(load_model(GetParam())),
+        params(plan_params(*model)),
+        direct(model, params),
+        velocity(WholeConfiguration::Zero(3 + model->num_joints())) {}
 
   bool find(const Scene& scene, long per_step = kAll) {
     direct.set_objects(scene.shapes);
     const NoAlloc guard;
-    direct.begin(scene.start, scene.X_WG, scene.states);
+    direct.begin({scene.start, velocity}, scene.X_WG, scene.states);
     long budget = per_step;
     while (direct.advance(budget)) budget = per_step;
     EXPECT_EQ(guard.count(), 0);
@@ -137,6 +172,7 @@ class DirectWayOf : public testing::TestWithParam<std::string> {
   std::shared_ptr<const RobotModel> model;
   ControllerParams params;
   DirectWay direct;
+  WholeConfiguration velocity;  // of the start
 };
 
 std::vector<std::string> direct_robots() {
@@ -202,6 +238,69 @@ TEST_P(DirectWayOf, WaysAreFreeAndLeadToTheGoalWithinLimits) {
   EXPECT_GE(found, 4) << "too few to say anything";
 }
 
+// From a motion it begins at the robot's velocity, and joints and an omnidirectional base keep their accelerations from
+// there on: what slows down and what speeds up add.
+TEST_P(DirectWayOf, BeginsAtTheVelocityThatTheRobotHas) {
+  const MotionLimits& limits = direct.limits();
+  const int joints = model->num_joints();
+  std::mt19937_64 engine(5);
+  Kinematics kinematics(model);
+  int found = 0;
+  double moving = 0.0, resting = 0.0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Scene scene = make_scene(model, seed, 2);
+    velocity.setZero();
+    if (!find(scene)) continue;
+    const Path from_rest = direct.path();
+    WholeConfiguration end;
+    from_rest.at(from_rest.duration, end);
+    for (int i = 0; i < joints; ++i) velocity[3 + i] = uniform_in(engine, -0.6, 0.6) * limits.joint_speed[i];
+    if (seed % 2 == 0)
+      velocity.tail(joints) =
+          (0.5 * (end - scene.start).tail(joints)).cwiseMax(-limits.joint_speed).cwiseMin(limits.joint_speed);
+    if (model->mobile()) {
+      velocity.head<2>() = 0.7 * limits.linear * Vector2(std::cos(scene.start[2]), std::sin(scene.start[2]));
+      velocity[2] = uniform_in(engine, -0.5, 0.5) * limits.angular;
+    }
+    if (!find(scene)) continue;
+    ++found;
+    if (seed % 2 == 0) {
+      moving += direct.path().duration;
+      resting += from_rest.duration;
+    }
+    const Path& path = direct.path();
+    const double h = 0.001;
+    WholeConfiguration before, now, after;
+    path.at(0.0, before);
+    EXPECT_EQ((before - scene.start).norm(), 0.0);
+    path.at(h, now);
+    EXPECT_LT(((now - before) / h - velocity).lpNorm<Eigen::Infinity>(), 0.03) << "seed " << seed;
+    for (double t = 2.0 * h; t < path.duration; t += h) {
+      path.at(t, after);
+      const WholeConfiguration a = (after - 2.0 * now + before) / (h * h), v = (after - now) / h;
+      for (int i = 0; i < joints; ++i) {
+        ASSERT_LE(std::abs(a[3 + i]), 1.0001 * limits.joint_acceleration[i]) << "joint " << i << ", seed " << seed;
+        ASSERT_LE(std::abs(v[3 + i]), 1.0001 * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
+      }
+      if (limits.base->lateral()) {
+        ASSERT_LE(a.head<2>().norm(), 1.0001 * limits.linear_acceleration) << "seed " << seed;
+        ASSERT_LE(std::abs(a[2]), 1.0001 * limits.angular_acceleration) << "seed " << seed;
+        ASSERT_LE(v.head<2>().norm(), 1.0001 * limits.linear) << "seed " << seed;
+      }
+      before = now;
+      now = after;
+    }
+    path.at(path.duration, now);
+    kinematics.update(now.head<3>(), now.tail(joints));
+    EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 1e-3);
+    EXPECT_LT(log_so3(kinematics.X_WE().linear() * scene.X_WG.linear().transpose()).norm(), 2e-3);
+  }
+  EXPECT_GE(found, 3) << "too few to say anything";
+  if (!model->mobile()) {
+    EXPECT_LT(moving, resting) << "a robot that moves that way already is there sooner";
+  }
+}
+
 TEST_P(DirectWayOf, TheSameWayHoweverItIsSpread) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -242,7 +341,7 @@ TEST_P(DirectWayOf, ThereIsNoneThroughAWallOrToAGoalInAnObject) {
   scene.states.resize(1);
   scene.states[0].X_WO.translation() = scene.X_WG.translation();
   direct.set_objects(scene.shapes);
-  direct.begin(scene.start, scene.X_WG, scene.states);
+  direct.begin({scene.start, velocity}, scene.X_WG, scene.states);
   long budget = kAll;
   EXPECT_FALSE(direct.advance(budget));
   EXPECT_EQ(budget, kAll) << "it is known at once";

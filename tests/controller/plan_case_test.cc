@@ -105,7 +105,7 @@ TEST(PlanCase, IsRefusedWhereItIsNone) {
   expect("follow needs a path", [](Json& plan) { plan.erase("path"); });
   expect("state.plan.mode", [](Json& plan) { plan["mode"] = "flies"; });
   expect("state.plan.path.motions", [](Json& plan) { plan["path"]["motions"] = Json::array(); });
-  expect("expected no more than half of `time`", [](Json& plan) { plan["path"]["motions"][0]["ramp"] = 100.0; });
+  expect("no more than `time`", [](Json& plan) { plan["path"]["motions"][0]["rise"] = 100.0; });
   expect("expected 10: x, y, phi", [](Json& plan) { plan["path"]["motions"][0]["change"].erase(0); });
   expect("state.plan.goal", [](Json& plan) { plan["goal"].erase("rotation"); });
   expect("expected a rotation matrix", [](Json& plan) { plan["path"]["goal"]["rotation"][0] = 3.0; });

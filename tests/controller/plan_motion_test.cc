@@ -70,6 +70,45 @@ TEST_P(PlanMotion, EdgesEndWhereTheyShould) {
   }
 }
 
+// A path of a robot in motion begins at its velocity; it can be made to begin earlier.
+TEST_P(PlanMotion, APathBeginsAtTheVelocityThatABrakingHas) {
+  std::mt19937_64 engine(6);
+  for (int k = 0; k < 20; ++k) {
+    const WholeConfiguration a = anywhere(engine), b = anywhere(engine);
+    Edge edge;
+    make_edge(limits, a, b, edge);
+    Braking braking{a, 0.4};
+    WholeConfiguration v = WholeConfiguration::Zero(a.size());
+    for (int i = 0; i < limits.num_joints(); ++i)
+      v[3 + i] = uniform_in(engine, -0.8, 0.8) * 0.4 * limits.joint_acceleration[i];
+    braking.from -= 0.2 * v;
+    Path path;
+    ASSERT_TRUE(lay_path(limits, std::span(&edge, 1), 0.35, braking, path));
+    const double h = 1e-4;
+    WholeConfiguration before = braking.from, now, after;
+    path.at(h, now);
+    EXPECT_LT(((now - before) / h - v).lpNorm<Eigen::Infinity>(), 5e-3);
+    for (double t = 2.0 * h; t < 1.0; t += h) {
+      path.at(t, after);
+      const WholeConfiguration acceleration = (after - 2.0 * now + before) / (h * h);
+      for (int i = 0; i < limits.num_joints(); ++i)
+        ASSERT_LE(std::abs(acceleration[3 + i]), 1.001 * limits.joint_acceleration[i]) << "joint " << i << " at " << t;
+      before = now;
+      now = after;
+    }
+    Path earlier = path;
+    earlier.begin_earlier(0.1);
+    EXPECT_NEAR(earlier.duration, path.duration + 0.1, 1e-12);
+    for (const double t : {0.0, 0.2, 0.7 * path.duration, path.duration}) {
+      path.at(t, now);
+      earlier.at(t + 0.1, after);
+      EXPECT_LT((after - now).lpNorm<Eigen::Infinity>(), 1e-9) << t;
+    }
+    earlier.at(0.0, now);
+    EXPECT_LT((now - (braking.from - 0.1 * v)).lpNorm<Eigen::Infinity>(), 1e-9);
+  }
+}
+
 // A tree grows from the goals backwards: what was checked has to be what is driven.
 TEST_P(PlanMotion, EdgesBackwardsVisitTheSamePlaces) {
   std::mt19937_64 engine(2);
@@ -124,7 +163,7 @@ TEST_P(PlanMotion, PathsStayInsideSpeedsAndAccelerations) {
       a = b;
     }
     Path path;
-    ASSERT_TRUE(lay_path(limits, edges.all(), 0.35, path));
+    ASSERT_TRUE(lay_path(limits, edges.all(), 0.35, {}, path));
     EXPECT_LE(path.duration, edges.time() + 1e-9);
     WholeConfiguration end;
     path.at(path.duration, end);
@@ -165,7 +204,7 @@ TEST_P(PlanMotion, FollowingComesBackToThePath) {
     make_edge(limits, a, b, edge);
     edges.push(edge);
     Path path;
-    ASSERT_TRUE(lay_path(limits, edges.all(), 0.0, path));
+    ASSERT_TRUE(lay_path(limits, edges.all(), 0.0, {}, path));
     Observation o;
     o.base = a.head<3>();
     if (limits.mobile()) o.base += Vector3(0.03, -0.04, 0.1);

@@ -222,7 +222,7 @@ TEST_P(PlannerOf, TheSamePlanHoweverItIsSpread) {
         const PathPart &a = planner.path().motions[static_cast<std::size_t>(k)],
                        &b = other.path().motions[static_cast<std::size_t>(k)];
         EXPECT_EQ(a.start, b.start);
-        EXPECT_EQ(a.time, b.time);
+        EXPECT_EQ(a.motion.time, b.motion.time);
         EXPECT_EQ((a.change - b.change).norm(), 0.0);
       }
     }
@@ -315,6 +315,44 @@ TEST_P(PlannerOf, GoesRoundAWall) {
     if (std::abs(c[0] - 1.3) < 0.1) beside = std::max(beside, std::abs(c[1]));
   }
   EXPECT_GT(beside, 1.5);
+}
+
+// Where the nearest of the poses that a goal allows is blocked, others are found.
+TEST(PlannerFree, DrawsWhatAGoalLeavesFree) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  const ControllerParams params = plan_params(*model);
+  Scene scene = make_scene(model, 3, 0);
+  Kinematics kinematics(model);
+  kinematics.update(Vector3::Zero(), model->ready);
+  scene.X_WG = kinematics.X_WE();
+  scene.X_WG.translation() += Vector3(0.1, 0.2, 0.0);
+  scene.shapes = {{"ball", make_sphere(0.06)}};
+  scene.states.resize(1);
+  scene.states[0].X_WO.translation() = scene.X_WG.translation();
+  const auto plan = [&](const FreeDirections& free) {
+    Planner planner(model, params);
+    planner.set_objects(scene.shapes);
+    planner.begin(scene.start, scene.X_WG, scene.states, 1, kInfinity, {}, free);
+    long budget = 1L << 40;
+    planner.advance(budget);
+    return std::pair(planner.found(), planner.found() ? planner.path() : Path{});
+  };
+  EXPECT_FALSE(plan({}).first);
+  FreeDirections along{.free = Vector6::Zero(), .R_WG = scene.X_WG.linear()};
+  along.free[4] = 1.0;  // the place along y
+  FreeDirections turned = along;
+  turned.free[2] = 1.0;  // and the turn about z
+  for (const FreeDirections& free : {along, turned}) {
+    const auto [found, path] = plan(free);
+    ASSERT_TRUE(found);
+    WholeConfiguration c;
+    path.at(path.duration, c);
+    kinematics.update(c.head<3>(), c.tail(model->num_joints()));
+    const Vector6 error = pose_error(kinematics.X_WE(), nearest_pose(scene.X_WG, free.free, kinematics.X_WE()));
+    EXPECT_LT(error.tail<3>().norm(), 1.1e-3) << "not a pose that the goal allows";
+    EXPECT_LT(error.head<3>().norm(), 2.1e-3);
+    EXPECT_GT(object_clearance(*model, kinematics, scene), 0.02);
+  }
 }
 
 }  // namespace

@@ -387,6 +387,36 @@ TEST_F(Shrinks, ToTheDisturbanceThatMatters) {
   EXPECT_GE(by_bias, all - 1);
 }
 
+// Goals after the one on whose way it failed go, and those before it where it fails without them.
+TEST_F(Shrinks, ToTheGoalOnWhoseWayItFailed) {
+  const Suite several =
+      load_suite(folder_.write("several.yaml",
+                               "name: several\nrobot: robots/tiny.yaml\ncontrollers: {blind: controllers/blind.yaml}\n"
+                               "worlds: {seed: 3, families: {sequence: {objects: 9}}}\n"
+                               "simulation: {mode: kinematic, time_limit: 8}\n"
+                               "success: {position: 0.3, orientation: 3.1}\ntrials: 20\n"));
+  EvaluateRequest evaluation;
+  evaluation.file = path("several.db");
+  evaluate(evaluation, several);
+  const store::Reader reader(evaluation.file);
+  int hits = 0;
+  for (const std::string& key : reader.keys()) {
+    const TrialRow before = reader.trial(key).row;
+    if (before.outcome != Outcome::kCollision || before.object == "floor" || before.object.starts_with("self:"))
+      continue;
+    ShrinkRequest request;
+    request.file = evaluation.file;
+    request.trial = key;
+    const Shrunk small = shrink(request);
+    ++hits;
+    EXPECT_LE(static_cast<double>(small.world.further.size()), before.goals_reached) << key;
+    EXPECT_TRUE(goal_of(small.world, small.world.further.size()).stop);
+    EXPECT_EQ(small.row.object, before.object);
+    if (hits == 4) break;
+  }
+  EXPECT_GE(hits, 2);
+}
+
 TEST_F(Shrinks, OnlyWhatFailed) {
   for (const std::string& key : trials(false)) {
     if (store::Reader(path("blind.db")).trial(key).row.outcome != Outcome::kSuccess) continue;

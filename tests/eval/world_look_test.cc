@@ -109,6 +109,15 @@ TEST_F(WorldLooks, GapsAreThoseOfTheToolAtTheGoalWhereverTheArmIs) {
     EXPECT_NE(look.goals[0].where.find("world 3, "), std::string::npos) << look.goals[0].where;
     EXPECT_NE(look.goals[0].where.find(" and ball"), std::string::npos) << look.goals[0].where;
   }
+  World several = world(3, 0.04);  // of several goals the one nearest to an object counts
+  several.further.assign(1, several.goal);
+  Isometry X_WG = at_witness();
+  X_WG.translation() += 0.03 * (several.objects[0].X_WO.translation() - X_WG.translation()).normalized();
+  set_pose(several.further[0], X_WG.translation(), several.goal.file_rotation);
+  run::WorldLook of_several;
+  run::look_at(several, model_, of_several);
+  ASSERT_EQ(of_several.goals.size(), 1U);
+  EXPECT_NEAR(of_several.goals[0].d, 0.01, 2e-3);
   World moving = world(3, 0.005);
   Vector6 twist = Vector6::Zero();
   twist[4] = 0.2;

@@ -1,0 +1,98 @@
+#include "controller/plan/blend.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace moma {
+namespace {
+
+constexpr double kLeastBrake = 0.04;  // [s]
+constexpr double kNoWay = 1e-9;
+
+// One coordinate, or the base's place.
+struct Axis {
+  Eigen::Index first, size;
+  double speed, acceleration;
+};
+
+template <class Visit>
+void for_each_axis(const MotionLimits& limits, Moves moves, const Visit& visit) noexcept {
+  if (moves == Moves::kBase) {
+    visit(Axis{0, 2, limits.linear, limits.linear_acceleration});
+    visit(Axis{2, 1, limits.angular, limits.angular_acceleration});
+  } else {
+    for (Eigen::Index i = 0; i < limits.num_joints(); ++i)
+      visit(Axis{3 + i, 1, limits.joint_speed[i], limits.joint_acceleration[i]});
+  }
+}
+
+Blend blend_with(const MotionLimits& limits, Moves moves, const MotionState& start, const WholeConfiguration& end,
+                 double brake) noexcept {
+  double least = 0.0, square = 0.0;
+  for_each_axis(limits, moves, [&](const Axis& axis) {
+    const auto v = start.v.segment(axis.first, axis.size);
+    double xx = 0.0, xv = 0.0;
+    for (Eigen::Index i = 0; i < axis.size; ++i) {
+      const double x = end[axis.first + i] - start.c[axis.first + i] - 0.5 * brake * v[i];
+      xx += x * x;
+      xv += x * v[i];
+    }
+    const double way = std::sqrt(xx);
+    if (way < kNoWay) return;
+    least = std::max(least, way / axis.speed);
+    if (!std::isfinite(axis.acceleration)) return;
+    square = std::max(square, way / axis.acceleration);
+    const double change = axis.acceleration * brake;
+    const double most = xv + std::sqrt(std::max(0.0, xv * xv + xx * (change * change - v.squaredNorm())));
+    least = std::max(least, most > 0.0 ? xx / most : kInfinity);
+  });
+  Blend blend{.brake = brake};
+  if (least == 0.0) {
+    blend.time = brake;
+    return blend;
+  }
+  blend.fall = std::min(square / least, std::sqrt(2.0 * square));
+  const double full = std::max(least, 0.5 * (brake + blend.fall));
+  blend.time = 0.5 * (brake + blend.fall) + (blend.fall > 0.0 ? std::max(full, square / blend.fall) : full);
+  return blend;
+}
+
+}  // namespace
+
+Blend quickest_blend(const MotionLimits& limits, Moves moves, const MotionState& start,
+                     const WholeConfiguration& end) noexcept {
+  double shortest = kLeastBrake, square = 0.0, at_speed = 0.0;
+  for_each_axis(limits, moves, [&](const Axis& axis) {
+    shortest = std::max(shortest, start.v.segment(axis.first, axis.size).norm() / axis.acceleration);
+    const double way = (end - start.c).segment(axis.first, axis.size).norm();
+    at_speed = std::max(at_speed, way / axis.speed);
+    square = std::max(square, way / axis.acceleration);
+  });
+  Blend best{.time = kInfinity};
+  for (const double longer : {1.0, 1.25, 1.6, 2.2, 3.0}) {
+    const Blend blend = blend_with(limits, moves, start, end, longer * shortest);
+    if (blend.time < best.time) best = blend;
+  }
+  const double from_rest = quickest(at_speed, square).rise;
+  if (from_rest > shortest) {
+    const Blend blend = blend_with(limits, moves, start, end, from_rest);
+    if (blend.time < best.time) best = blend;
+  }
+  return best;
+}
+
+void add_blend(Moves moves, const Blend& blend, double time, const MotionState& start, const WholeConfiguration& end,
+               Path& path) noexcept {
+  const Eigen::Index first = moves == Moves::kBase ? 0 : 3;
+  const Eigen::Index size = moves == Moves::kBase ? 3 : start.c.size() - 3;
+  PathPart brake{0.0, {blend.brake, 0.0, blend.brake}, WholeConfiguration::Zero(start.c.size())};
+  PathPart rest = brake;
+  brake.change.segment(first, size) = 0.5 * blend.brake * start.v.segment(first, size);
+  rest.change.segment(first, size) = (end - start.c - brake.change).segment(first, size);
+  rest.motion = {std::max(time, blend.time), blend.brake, blend.fall};
+  path.add(brake);
+  path.add(rest);
+  path.duration = std::max(path.duration, rest.motion.time);
+}
+
+}  // namespace moma
