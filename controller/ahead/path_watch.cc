@@ -52,6 +52,7 @@ bool PathWatch::news(std::span<const ObjectState> objects, const PlanarShift& sh
     const ObjectState& then = looked_at_[i];
     if (!then.visible || in_motion(then)) return true;
     if ((objects[i].X_WO.translation() - then.X_WO.translation()).squaredNorm() > moved * moved) return true;
+    if ((objects[i].box - then.box).squaredNorm() > moved * moved) return true;
     if ((objects[i].X_WO.linear() - then.X_WO.linear()).squaredNorm() > 2.0 * turned * turned) return true;
   }
   return false;

@@ -133,9 +133,10 @@ bool Planner::same_world(const Isometry& X_WG, std::span<const ObjectState> obje
     return false;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ObjectState& then = space_.states()[i];
-    const bool counts = objects[i].visible && !in_motion(objects[i]);
-    if (counts != then.visible || (counts && !same(objects[i].X_WO, then.X_WO, search.same, search.same_turn)))
-      return false;
+    const bool counts = objects[i].visible && objects[i].seen && !in_motion(objects[i]);
+    if (counts != then.visible) return false;
+    if (counts && !same(objects[i].X_WO, then.X_WO, search.same, search.same_turn)) return false;
+    if (counts && (objects[i].box - then.box).squaredNorm() > search.same * search.same) return false;
   }
   return true;
 }

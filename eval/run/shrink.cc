@@ -108,6 +108,7 @@ class Shrinker {
       start_later();
       bring_goal_near();
       round_numbers();
+      switch_off();  // worlds of round numbers may need fewer of them
     } catch (const Interrupted& why) {
       if (*why.what() != '\0') listener_.warning(why.what());
       out_.end = End::kStopped;  // the smallest world so far fails
