@@ -100,7 +100,7 @@ struct Proximity::Impl {
         usable[j] = states[j].visible && is_pose(states[j].X_WO) ? 1 : 0;
         if (usable[j] == 0) continue;
         fit(j, states[j]);
-        // What the whole robot is out of range of, each of its shapes is.
+        // A solid out of range of the whole robot is out of range of each of its shapes.
         constexpr double kRounding = 1e-6;
         const double reach = ranges.object + radius + objects[j].radius + kRounding;
         if ((states[j].X_WO.translation() - centre).squaredNorm() > reach * reach) usable[j] = 0;

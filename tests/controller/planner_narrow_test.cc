@@ -257,7 +257,7 @@ TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
   EXPECT_GE(found, 4);
 }
 
-// What a path needs of time is worth more than a quicker path, from some moment on.
+// From some moment on the time that a search takes counts more than a quicker path.
 TEST(Planner, InAHurryTheBestSoFarCounts) {
   const auto model = load_model("configs/robots/panda.yaml");
   Planner planner(model, plan_params(*model));
