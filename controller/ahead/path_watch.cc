@@ -47,13 +47,8 @@ bool PathWatch::news(std::span<const ObjectState> objects, const PlanarShift& sh
       std::abs(wrapped(shift.turn - looked_shift_.turn)) > turned)
     return true;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const bool counts = objects[i].visible && objects[i].seen && !in_motion(objects[i]);
-    if (!counts) continue;
-    const ObjectState& then = looked_at_[i];
-    if (!then.visible || in_motion(then)) return true;
-    if ((objects[i].X_WO.translation() - then.X_WO.translation()).squaredNorm() > moved * moved) return true;
-    if ((objects[i].box - then.box).squaredNorm() > moved * moved) return true;
-    if ((objects[i].X_WO.linear() - then.X_WO.linear()).squaredNorm() > 2.0 * turned * turned) return true;
+    if (!counts_for_plans(objects[i])) continue;
+    if (!counts_for_plans(looked_at_[i]) || !stays(objects[i], looked_at_[i], moved, turned)) return true;
   }
   return false;
 }

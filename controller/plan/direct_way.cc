@@ -188,10 +188,9 @@ void DirectWay::lay_blends(const End& end) noexcept {
     if (moves == Moves::kBase && !limits_.base->lateral()) continue;
     const Blend blend = quickest_blend(limits_, moves, start_, end.c);
     add_blend(moves, blend, end.time, start_, end.c, path_);
-    const MotionState& from = start_;
-    longest_ += moves == Moves::kBase
-                    ? 0.5 * blend.brake * from.v.head<2>().norm()
-                    : 0.5 * blend.brake * from.v.tail(limits_.num_joints()).cwiseAbs().dot(limits_.lever);
+    longest_ += 0.5 * blend.brake *
+                (moves == Moves::kBase ? start_.v.head<2>().norm()
+                                       : start_.v.tail(limits_.num_joints()).cwiseAbs().dot(limits_.lever));
   }
   if (steers(end)) drive_.add_to(path_);
 }

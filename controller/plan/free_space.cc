@@ -33,7 +33,7 @@ void FreeSpace::set_states(std::span<const ObjectState> states) noexcept {
   const std::size_t count = std::min(states.size(), states_.size());
   for (std::size_t i = 0; i < count; ++i) {
     states_[i] = states[i];
-    if (in_motion(states[i]) || !states[i].seen) states_[i].visible = false;
+    states_[i].visible = counts_for_plans(states[i]);
   }
 }
 

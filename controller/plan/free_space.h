@@ -9,6 +9,18 @@
 
 namespace moma {
 
+/// True for the objects of which plans keep clear: sensed ones at rest. Space that no sensor has seen is none of them.
+inline bool counts_for_plans(const ObjectState& object) noexcept {
+  return object.visible && object.seen && !in_motion(object);
+}
+
+/// True if an object is where it was, within `moved` [m] and `turned` [rad], and its box as large.
+inline bool stays(const ObjectState& now, const ObjectState& then, double moved, double turned) noexcept {
+  return (now.X_WO.translation() - then.X_WO.translation()).squaredNorm() <= moved * moved &&
+         (now.box - then.box).squaredNorm() <= moved * moved &&
+         (now.X_WO.linear() - then.X_WO.linear()).squaredNorm() <= 2.0 * turned * turned;
+}
+
 /// Distances that a configuration has to keep [m].
 struct Clearances {
   double object = 0.0;

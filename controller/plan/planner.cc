@@ -125,18 +125,13 @@ void Planner::set_tiers(int first) noexcept {
 
 bool Planner::same_world(const Isometry& X_WG, std::span<const ObjectState> objects) const noexcept {
   const SearchParams& search = params_.search;
-  const auto same = [](const Isometry& a, const Isometry& b, double moved, double turned) {
-    return (a.translation() - b.translation()).squaredNorm() < moved * moved &&
-           (a.linear() - b.linear()).squaredNorm() < 2.0 * turned * turned;
-  };
-  if (!same(X_WG, X_WG_, search.same_goal, search.same_goal_turn) || objects.size() != space_.states().size())
+  if (objects.size() != space_.states().size() ||
+      !stays({.X_WO = X_WG}, {.X_WO = X_WG_}, search.same_goal, search.same_goal_turn))
     return false;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ObjectState& then = space_.states()[i];
-    const bool counts = objects[i].visible && objects[i].seen && !in_motion(objects[i]);
-    if (counts != then.visible) return false;
-    if (counts && !same(objects[i].X_WO, then.X_WO, search.same, search.same_turn)) return false;
-    if (counts && (objects[i].box - then.box).squaredNorm() > search.same * search.same) return false;
+    const bool counts = counts_for_plans(objects[i]);
+    if (counts != then.visible || (counts && !stays(objects[i], then, search.same, search.same_turn))) return false;
   }
   return true;
 }

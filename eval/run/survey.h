@@ -26,7 +26,7 @@ struct WorldLook {
 
 /// Examines a world of the robot at t = 0. At the start all pairs that can collide count: objects, floor and the robot
 /// itself. At the goals only pairs that no configuration changes count: shapes that are rigid with the tool against
-/// objects at rest. Costs about three configurations' distances.
+/// objects at rest. Costs about two configurations' distances, and one more for each goal.
 void look_at(const World& world, const std::shared_ptr<const RobotModel>& model, WorldLook& look);
 
 /// Statistics of drawing a suite's worlds by robot and family: tries per world, reasons of rejection, and processor
