@@ -25,7 +25,7 @@ SeenMap::SeenMap(std::shared_ptr<const RobotModel> model, const MapParams& param
       params_(params),
       base_age_(base_age),
       joint_age_(joint_age),
-      map_(params.enabled ? params : MapParams{.window = 1.0, .height = 0.1}),
+      map_(params.enabled ? params : MapParams{.window = 1.0, .height = 0.1, .evidence = {}, .unseen = {}}),
       robot_(model_) {
   reset();
 }
