@@ -12,20 +12,22 @@ constexpr int kMoments = 40;  // of coming to rest
 
 }  // namespace
 
-double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const Observation& o,
+double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const Observation& o, Rest rest,
                      WholeConfiguration& c) noexcept {
   const int base = model.base_dof();
-  WholeConfiguration v = o.qdot;
-  WholeConfiguration q = o.q;
+  WholeConfiguration q = o.q, v = o.qdot, fall = o.qdot;
   Vector3 at = o.base;
   double time = 0.0;
   for (Eigen::Index i = 0; i < v.size(); ++i) {
-    const double a = i >= base ? limits.joint_acceleration[i - base]
-                               : (i + 1 == base ? limits.angular_acceleration : limits.linear_acceleration);
-    time = std::max(time, std::abs(v[i]) / a);
+    fall[i] = i >= base ? limits.joint_acceleration[i - base]
+                        : (i + 1 == base ? limits.angular_acceleration : limits.linear_acceleration);
+    time = std::max(time, std::abs(v[i]) / fall[i]);
   }
+  if (rest == Rest::kEvenly && time > 0.0) fall = o.qdot.cwiseAbs() / time;
   for (int k = 0; k < kMoments && time > 0.0; ++k) {
-    v = (1.0 - (k + 0.5) / kMoments) * o.qdot;
+    const double t = time * (k + 0.5) / kMoments;
+    for (Eigen::Index i = 0; i < v.size(); ++i)
+      v[i] = std::copysign(std::max(0.0, std::abs(o.qdot[i]) - fall[i] * t), o.qdot[i]);
     integrate(model, at, q, v, time / kMoments);
   }
   c.resize(3 + q.size());
@@ -80,7 +82,6 @@ void Choice::put(const MotionState& motion, Observation& o) const noexcept {
 
 void Choice::begin(const Observation& from, double direct_time, int number, bool plans) noexcept {
   copy_observation(from, from_);
-  stopping_ = comes_to_rest(*model_, planner_.limits(), from_, stand_);
   verdict_ = {.kind = PlanKind::kPolicy, .tried = 1, .policy = direct_time};
   seed_ = static_cast<std::uint64_t>(number - 1);
   plans_ = 0;
@@ -88,6 +89,7 @@ void Choice::begin(const Observation& from, double direct_time, int number, bool
   direct_ = done_ = false;
   on_way_ = true;
   direct_way_.begin(motion_of(from_), from_.goal.X_WG, from_.objects);
+  stopping_ = comes_to_rest(*model_, planner_.limits(), from_, rest(), stand_);
 }
 
 void Choice::end_way() noexcept {
@@ -109,8 +111,11 @@ void Choice::end_way() noexcept {
 void Choice::begin_plan() noexcept {
   ++plans_;
   const double most = verdict_.policy >= 0.0 ? verdict_.policy : kInfinity;
-  Braking braking{WholeConfiguration(stand_.size()), stopping_};
-  braking.from << from_.base, from_.q;
+  Braking braking;
+  if (rest() == Rest::kEvenly) {
+    braking = {WholeConfiguration(stand_.size()), stopping_};
+    braking.from << from_.base, from_.q;
+  }
   planner_.begin(stand_, from_.goal.X_WG, from_.objects, seed_, most - settle_ - stopping_, braking,
                  {from_.goal.free, R_WG_});
 }
@@ -130,7 +135,7 @@ bool Choice::advance(long& budget) noexcept {
     done_ = true;
     ++verdict_.tried;
     if (!planner_.found()) continue;
-    verdict_.by_path = (planner_.close_goal() ? stopping_ : 0.0) + planner_.path().duration + settle_;
+    verdict_.by_path = (rest() == Rest::kEach ? stopping_ : 0.0) + planner_.path().duration + settle_;
     if (verdict_.policy < 0.0 || verdict_.by_path < verdict_.policy) verdict_.kind = PlanKind::kPath;
   }
   return !done_;

@@ -13,6 +13,10 @@
 
 namespace moma {
 
+/// How velocities fall to zero: all of them in the same time, or each as quickly as it may, as in a robot that is told
+/// to stop.
+enum class Rest { kEvenly, kEach };
+
 /// A choice of the quicker one of the direct policy and a path, from the state in which it takes effect. The path is a
 /// direct way if one is free and quicker than the policy, otherwise a planned one that is quicker. The work consists of
 /// pieces of planning, counted in checks; its result does not depend on how they are spread over control steps.
@@ -51,6 +55,8 @@ class Choice {
  private:
   void end_way() noexcept;
   void begin_plan() noexcept;
+  // The path to a goal close to an object begins at rest.
+  Rest rest() const noexcept { return direct_way_.close_goal() ? Rest::kEach : Rest::kEvenly; }
 
   std::shared_ptr<const RobotModel> model_;
   double settle_;    // time from a path's end to the goal [s]
@@ -70,9 +76,9 @@ class Choice {
   PlanVerdict verdict_;
 };
 
-/// Computes the configuration `c` in which a robot comes to rest whose velocities fall evenly from now on, all of them
-/// in the same time. Returns that time [s].
-double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const Observation& o,
+/// Computes the configuration `c` in which a robot comes to rest whose velocities fall from now on at constant rates.
+/// Returns the time until then [s].
+double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const Observation& o, Rest rest,
                      WholeConfiguration& c) noexcept;
 
 }  // namespace moma

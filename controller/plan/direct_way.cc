@@ -44,9 +44,9 @@ void DirectWay::begin(const MotionState& start, const Isometry& X_WG, std::span<
   draws_ = {};
   tries_ = 0;
   next_ = 0;
-  const double at_goal = space_.least_at_goal(goal_clearance_, start.c, X_WG, params_.clearance);
-  const bool close = at_goal < params_.clearance || (start.moves() && space_.clearances().object < params_.clearance);
-  stage_ = close ? Stage::kDone : Stage::kTries;
+  close_goal_ = space_.least_at_goal(goal_clearance_, start.c, X_WG, params_.clearance) < params_.clearance;
+  const bool close_start = start.moves() && space_.clearances().object < params_.clearance;
+  stage_ = close_goal_ || close_start ? Stage::kDone : Stage::kTries;
 }
 
 bool DirectWay::advance(long& budget) noexcept {

@@ -33,6 +33,8 @@ class DirectWay {
   /// True if a free way is known; path() is the quickest so far.
   bool found() const noexcept { return best_.time < kInfinity; }
   const Path& path() const noexcept { return best_path_; }
+  /// True if the hand is nearer to an object at the goal than `clearance`: such a goal has no direct way.
+  bool close_goal() const noexcept { return close_goal_; }
   const MotionLimits& limits() const noexcept { return limits_; }
 
  private:
@@ -65,6 +67,7 @@ class DirectWay {
   SteeredDrive drive_;
 
   Stage stage_ = Stage::kDone;
+  bool close_goal_ = false;
   MotionState start_;
   Isometry X_WG_ = Isometry::Identity();
   CountedDraws draws_;

@@ -386,15 +386,14 @@ bool Planner::next_tier() noexcept {
 // that nothing can change.
 void Planner::lay() noexcept {
   if (laid_ < 0) {
-    const Braking none;
-    if (!lay_path(*limits_, best_.all(), overlap_, close_goal() ? none : braking_, path_)) {
+    if (!lay_path(*limits_, best_.all(), overlap_, braking_, path_)) {
       stage_ = PlanStage::kFailed;
       return;
     }
     path_.X_WG = X_WG_;
     path_.clearance = space_.clearances().object;
     path_.kept_at_goal = space_.kept().at_goal;
-    laid_ = overlap_ > 0.0 || close_goal() ? 0 : static_cast<int>(braking_.time / kMoment);
+    laid_ = overlap_ > 0.0 ? 0 : static_cast<int>(braking_.time / kMoment);
   }
   constexpr int kAtOnce = 16;
   const Clearances& whole = space_.clearances();

@@ -216,6 +216,25 @@ TEST_P(Ahead, GoesOnWhileItChooses) {
 }
 
 // A choice is the same however it is spread, and it falls on the quicker of policy and path.
+// Of joints alone the place of rest has a closed form.
+TEST(Rest, JointsComeToRestWhereConstantDecelerationTakesThem) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  const MotionLimits limits(*model, plan_params(*model));
+  Observation o;
+  o.q = model->ready;
+  o.qdot = VectorX::Zero(model->num_velocities());
+  for (Eigen::Index i = 0; i < o.qdot.size(); ++i) o.qdot[i] = (i % 2 == 0 ? 0.3 : -0.2) * static_cast<double>(i);
+  const VectorX times = o.qdot.cwiseAbs().cwiseQuotient(limits.joint_acceleration);
+  WholeConfiguration each, evenly;
+  EXPECT_DOUBLE_EQ(comes_to_rest(*model, limits, o, Rest::kEach, each), times.maxCoeff());
+  EXPECT_DOUBLE_EQ(comes_to_rest(*model, limits, o, Rest::kEvenly, evenly), times.maxCoeff());
+  constexpr double kMoments = 2e-3;  // error of the steps in which rest is computed [rad]
+  for (Eigen::Index i = 0; i < o.qdot.size(); ++i) {
+    EXPECT_NEAR(each[3 + i], o.q[i] + 0.5 * o.qdot[i] * times[i], kMoments) << i;
+    EXPECT_NEAR(evenly[3 + i], o.q[i] + 0.5 * o.qdot[i] * times.maxCoeff(), 1e-9) << i;
+  }
+}
+
 TEST_P(Ahead, AChoiceDoesNotDependOnTheBudget) {
   const Scene scene = !model->mobile() ? make_scene(model, 1, 12) : behind_a_wall(model, 2);
   const ControllerParams params = read_params(*model, true);
