@@ -11,8 +11,8 @@
 #include "controller/config/convex_hull.h"
 #include "controller/config/robot_build.h"
 #include "controller/config/urdf_collision.h"
+#include "controller/model/convex_distance.h"
 #include "controller/model/kinematics.h"
-#include "controller/model/proximity.h"
 #include "controller/model/statics.h"
 
 namespace moma::run {
@@ -38,17 +38,34 @@ std::vector<Vector3> outermost(const config::UrdfCollision& visual) {
   return points;
 }
 
-/// Gap from a small shape at X_WP to the nearest of the model's shapes for which `counts` is true; infinite without
-/// any. [m]
-template <class Counts>
-double gap(const RobotModel& model, const Kinematics& at, const Shape& small, const Isometry& X_WP,
-           const Counts& counts) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const CollisionShape& shape : model.shapes)
-    if (counts(shape))
-      least = std::min(least, shape_distance(small, X_WP, shape.shape, at.X_WS(shape)).d + kPointRadius);
-  return least;
-}
+/// The model's shapes at `ready`, built once for many distances.
+class ShapesAtReady {
+ public:
+  explicit ShapesAtReady(const RobotModel& model) : model_(model), kinematics_(std::make_shared<RobotModel>(model)) {
+    for (const CollisionShape& shape : model.shapes) solids_.emplace_back(shape.shape);
+  }
+
+  const Kinematics& kinematics() const { return kinematics_; }
+
+  /// Gap from a small solid at X_WP to the nearest shape for which `counts` is true; infinite without any. [m]
+  template <class Counts>
+  double gap(const Solid& small, const Isometry& X_WP, const Counts& counts) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < solids_.size(); ++i) {
+      const CollisionShape& shape = model_.shapes[i];
+      const Isometry X_WS = kinematics_.X_WS(shape);
+      if (!counts(shape) || least_gap(small, X_WP, solids_[i], X_WS) + kPointRadius > least) continue;
+      least = std::min(least, signed_distance(small, X_WP, solids_[i], X_WS, convex_).d + kPointRadius);
+    }
+    return least;
+  }
+
+ private:
+  const RobotModel& model_;
+  Kinematics kinematics_;
+  std::vector<Solid> solids_;
+  ConvexDistance convex_{0};  // buffers grow on use
+};
 
 }  // namespace
 
@@ -56,16 +73,16 @@ std::vector<std::string> wheel_warnings(const RobotModel& model) {
   constexpr double kReach = 0.005;  // [m]
   if (!model.mobile() || !model.base.wheels) return {};
   const Wheels& wheels = *model.base.wheels;
-  const Kinematics at_ready(std::make_shared<RobotModel>(model));
-  const Shape upright{ShapeKind::kCapsule, Vector3(kPointRadius, 20.0, 0.0), nullptr};
+  ShapesAtReady at_ready(model);
+  const Solid upright({ShapeKind::kCapsule, Vector3(kPointRadius, 20.0, 0.0), nullptr});
   double most = 0.0;
   for (const double side : {-0.5, 0.5}) {
     for (const double end : {-0.5, 0.5}) {
       for (int i = -4; i <= 4; ++i) {
-        Isometry X_WP = at_ready.X_WB();
+        Isometry X_WP = at_ready.kinematics().X_WB();
         X_WP.translate(Vector3(end * wheels.wheelbase + 0.25 * i * wheels.radius, side * wheels.separation, 0.0));
-        most = std::max(most, gap(model, at_ready, upright, X_WP,
-                                  [](const CollisionShape& shape) { return shape.rigid_with_base; }));
+        most = std::max(most,
+                        at_ready.gap(upright, X_WP, [](const CollisionShape& shape) { return shape.rigid_with_base; }));
       }
     }
   }
@@ -83,8 +100,8 @@ std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file
   const bool arm = std::any_of(model.shapes.begin(), model.shapes.end(),
                                [](const CollisionShape& shape) { return !shape.rigid_with_base; });
   if (!arm) return {};
-  const Kinematics at_ready(std::make_shared<RobotModel>(model));
-  const Shape point{ShapeKind::kSphere, Vector3(kPointRadius, 0.0, 0.0), nullptr};
+  ShapesAtReady at_ready(model);
+  const Solid point({ShapeKind::kSphere, Vector3(kPointRadius, 0.0, 0.0), nullptr});
   std::map<std::string, double> reach;
   std::vector<config::UrdfCollision> visuals;
   try {
@@ -97,11 +114,11 @@ std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file
     if (link < 0) continue;
     double& most = reach[visual.link];
     for (const Vector3& p_L : outermost(visual)) {
-      Isometry X_WP = at_ready.X_WL(link);
+      Isometry X_WP = at_ready.kinematics().X_WL(link);
       X_WP.translate(p_L);
-      most = std::max(most, gap(model, at_ready, point, X_WP, [&](const CollisionShape& shape) {
-                        return !config::can_move_against(model, link, shape.link);
-                      }));
+      most = std::max(most, at_ready.gap(point, X_WP, [&](const CollisionShape& shape) {
+        return !config::can_move_against(model, link, shape.link);
+      }));
     }
   }
   std::vector<std::pair<double, std::string>> worst;

@@ -39,7 +39,7 @@ class Rare : public ::testing::Test {
                       "worlds: {seed: 3, families: " +
                           families +
                           "}\n"
-                          "simulation: {mode: kinematic, time_limit: 3}\n"
+                          "simulation: {mode: kinematic, time_limit: 3, control_period: 0.04}\n"
                           "disturbances: {objects: {noise: {position: 0.03}}, joints: {noise: 0.002}}\ntrials: 5\n"));
   }
   static RiskRequest request(std::size_t particles, std::size_t replicates) {
