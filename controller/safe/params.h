@@ -138,6 +138,7 @@ constexpr void describe(V& v, Of<MemoryParams>) {
 struct EstimationParams {
   int least_tried = 12, beyond = 3;
   double forget = 0.5, better = 0.7;
+  double gain = 0.02, gain_forget = 10.0;
   double missed = 5.0;
   double relocated = 0.5;
   double jump = 0.1;
@@ -151,6 +152,10 @@ constexpr void describe(auto& v, Of<EstimationParams>) {
   v.member("forget", &T::forget, positive("s", "time constant with which a round trip's misfit forgets"));
   v.member("better", &T::better,
            in_range({0.0, 1.0}, "1", "factor on the present misfit below which another replaces it"));
+  v.member("gain", &T::gain,
+           in_range({0.0, 0.5}, "1", "spread of the base's gains from drive to drive; 0: the gains are 1"));
+  v.member("gain_forget", &T::gain_forget,
+           positive("s", "time constant with which a gain's measurements are forgotten"));
   v.member("missed", &T::missed, positive("s", "time constant with which missed steps are forgotten"));
   v.member("relocated", &T::relocated, positive("m or rad", "error of the base's prediction that relocates it"));
   v.member("jump", &T::jump, positive("m or rad", "error of a track's prediction that begins it anew"));

@@ -23,8 +23,10 @@ struct PredictionMemory {
   bool catching_up = false;        ///< joints still follow commands that had waited longer (Predictor::send)
   RoundTrip drive;                 ///< misfit of each pair of shares (Predictor) to the drive's motion
   std::vector<Vector3> driven;     ///< the base's velocity according to each pair
-  RoundTrip base_trip;             ///< from a sent command to the base's measured velocity
-  RoundTrip joint_trip;            ///< from a sent command to the joints' measured velocities
+  /// Sums of the base's gains, velocity measured / commanded, for each of its velocities (Predictor).
+  Vector3 gain_measured = Vector3::Zero(), gain_commanded = Vector3::Zero();
+  RoundTrip base_trip;   ///< from a sent command to the base's measured velocity
+  RoundTrip joint_trip;  ///< from a sent command to the joints' measured velocities
   std::vector<PoseTrack> objects;
   PoseTrack goal;
 };
@@ -48,6 +50,14 @@ constexpr void describe(V& v, Of<PredictionMemory>) {
            {.written = Written::kUnlessDefault, .text = "`periods` counts the pairs of shares of its accelerations"});
   v.member("driven", &M::driven,
            {.unit = "m/s or rad/s", .written = Written::kUnlessDefault, .text = "the base's velocity by each pair"});
+  v.member("gain_measured", &M::gain_measured,
+           {.unit = "(m/s)^2 or (rad/s)^2",
+            .written = Written::kUnlessDefault,
+            .text = "sums of the base's velocities as measured times as commanded"});
+  v.member("gain_commanded", &M::gain_commanded,
+           {.unit = "(m/s)^2 or (rad/s)^2",
+            .written = Written::kUnlessDefault,
+            .text = "sums of the squares of those commanded"});
   v.member("base_trip", &M::base_trip, {.text = "from a command to the base's measured velocity"});
   v.member("joint_trip", &M::joint_trip, {.text = "from a command to the joints' measured velocity"});
   v.member("objects", &M::objects, {.text = "one for each object, in their order"});

@@ -16,6 +16,11 @@ namespace {
 // Contribution of noise to every misfit: (0.01 m/s)^2 + (0.01 rad/s)^2, and the same for joints.
 constexpr double kFloor = 2e-4;
 
+// Noise of a velocity by which gains are judged, and the bounds of a gain.
+constexpr double kVelocityNoise = 0.01;
+constexpr double kLeastGain = 0.7, kLargestGain = 1.3;
+constexpr double kFollows = 1e-6;  // of a drive's velocity from its command
+
 // Shares of the drive's accelerations that are compared.
 constexpr auto kDrives = std::to_array<BaseRamp::Shares>(
     {{}, {1.0, 0.75}, {1.0, 0.5}, {1.0, 1.0 / 3.0}, {0.75, 0.75}, {0.5, 0.5}, {1.0 / 3.0, 1.0 / 3.0}});
@@ -77,6 +82,9 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
   periods_ = tried_ + 2;
   joint_step_ = VectorX::Constant(num_joints_, std::numeric_limits<double>::infinity());
   if (acceleration_limit.size() == model.num_velocities()) joint_step_ = dt_ * acceleration_limit.tail(num_joints_);
+  base_speed_.head(base_dof_) = model.velocity_limits().head(base_dof_);
+  if (params.identify && params.estimation.gain > 0.0)
+    gain_prior_ = kVelocityNoise * kVelocityNoise / (params.estimation.gain * params.estimation.gain);
   out_.q = VectorX::Zero(num_joints_);
   out_.qdot = VectorX::Zero(model.num_velocities());
   reset({});
@@ -99,6 +107,8 @@ void Predictor::reset(std::span<const ObjectShape> objects, std::size_t more) {
   m.joint_trip = {whole_periods(params_.joint_drive, dt_) + joint_age_, VectorX::Zero(tried_)};
   m.drive = {0, VectorX::Zero(kDrives.size())};
   m.driven.assign(kDrives.size(), Vector3::Zero());
+  m.gain_measured.setZero();
+  m.gain_commanded.setZero();
   m.objects.assign(num_objects, PoseTrack{});
   m.goal = {};
   out_.objects.assign(num_objects + more, ObjectState{});
@@ -126,11 +136,17 @@ void Predictor::synchronise() noexcept {
 
 const BaseRamp::Shares& Predictor::drive() const noexcept { return kDrives[at(memory_.drive.periods)]; }
 
+// The base's command that is measured next.
+Vector3 Predictor::arriving_command() const noexcept {
+  Vector3 command = Vector3::Zero();
+  command.head(base_dof_) = memory_.sent[at(memory_.base_trip.periods)].head(base_dof_);
+  return command;
+}
+
 // Advances the base's velocity by a period for each pair of shares.
 void Predictor::follow_drives() noexcept {
   PredictionMemory& m = memory_;
-  Vector3 command = Vector3::Zero();
-  for (int i = 0; i < base_dof_; ++i) command[i] = m.sent[at(m.base_trip.periods)][i];
+  const Vector3 command = gains().cwiseProduct(arriving_command());
   BaseRamp ramp = ramp_;
   for (int i = 0; i < static_cast<int>(kDrives.size()); ++i) {
     ramp.set_shares(kDrives[at(i)]);
@@ -144,7 +160,33 @@ void Predictor::identify_drive(const Observation& o) noexcept {
   for (int i = 0; i < static_cast<int>(kDrives.size()); ++i)
     settle(m.drive, i, (o.qdot.head(base_dof_) - m.driven[at(i)].head(base_dof_)).squaredNorm(),
            dt_ / params_.estimation.forget);
-  if (choose(m.drive, kFloor, params_.estimation.better)) ramp_.set_shares(drive());
+  if (choose(m.drive, kFloor, params_.estimation.better)) {
+    ramp_.set_shares(drive());
+    m.gain_measured.setZero();  // what was measured of another drive tells nothing
+    m.gain_commanded.setZero();
+  }
+  identify_gains(o, arriving_command());
+}
+
+// While a drive speeds up or slows down, its velocity tells nothing of its gain.
+void Predictor::identify_gains(const Observation& o, const Vector3& command) noexcept {
+  PredictionMemory& m = memory_;
+  const Vector3 follows = gains().cwiseProduct(command) - m.driven[at(m.drive.periods)];
+  if (gain_prior_ == 0.0 || follows.cwiseAbs().maxCoeff() > kFollows) return;
+  const double kept = 1.0 - std::min(1.0, dt_ / params_.estimation.gain_forget);
+  for (int i = 0; i < base_dof_; ++i) {
+    m.gain_measured[i] = kept * m.gain_measured[i] + o.qdot[i] * command[i];
+    m.gain_commanded[i] = kept * m.gain_commanded[i] + command[i] * command[i];
+  }
+}
+
+Vector3 Predictor::gains() const noexcept {
+  Vector3 gains = Vector3::Ones();
+  if (gain_prior_ == 0.0) return gains;
+  for (int i = 0; i < base_dof_; ++i)
+    gains[i] = std::clamp((memory_.gain_measured[i] + gain_prior_) / (memory_.gain_commanded[i] + gain_prior_),
+                          kLeastGain, kLargestGain);
+  return gains;
 }
 
 void Predictor::identify(const Observation& o) noexcept {
@@ -224,7 +266,7 @@ void Predictor::miss_steps(double time) noexcept {
     repeat(m.sent);
     Vector3 velocity = m.base_velocity.front(), sent = Vector3::Zero();
     for (int i = 0; i < base_dof_; ++i) sent[i] = m.sent.front()[i];
-    ramp_.follow(sent, dt_, velocity);
+    ramp_.follow(gains().cwiseProduct(sent), dt_, velocity);
     shifted(m.base_velocity) = velocity;
   }
   if (missed > 0.0) m.time = time;  // skip() advanced it
@@ -314,8 +356,9 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
   for (int i = 0; i < base_dof_ + num_joints_; ++i)
     sent[i] = m.computed[at(i < base_dof_ ? hold_base_ : hold_joints_)][i];
   Vector3 base = Vector3::Zero(), before = Vector3::Zero(), velocity = m.base_velocity.front();
+  const Vector3 gain = gains();
   for (int i = 0; i < base_dof_; ++i) {
-    base[i] = sent[i];
+    base[i] = gain_prior_ > 0.0 ? std::clamp(sent[i] / gain[i], -base_speed_[i], base_speed_[i]) : sent[i];
     before[i] = m.sent.front()[i];
   }
   if (base_share_ > 0.0) base = ramp_.limited(base, before, base_share_, dt_);
@@ -331,7 +374,7 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
     }
   }
   shifted(m.sent) = sent;
-  ramp_.follow(base, dt_, velocity);
+  ramp_.follow(gain.cwiseProduct(base), dt_, velocity);
   shifted(m.base_velocity) = velocity;
 }
 

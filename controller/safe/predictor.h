@@ -40,6 +40,10 @@ namespace moma {
 /// commands. The ramp that explains the measured velocity of the last half second clearly better than the present one
 /// replaces it.
 ///
+/// Gains: with `identify` it also estimates, for each velocity of the base, the factor g = measured / commanded of a
+/// drive that follows its command, by least squares with forgetting and the prior N(1, gain^2) under a measurement
+/// noise of 0.01 m/s or rad/s. Commands are sent divided by g, within the base's speeds.
+///
 /// One per controller; only reset() allocates. A step is predict() or skip(), then send().
 class Predictor {
  public:
@@ -86,8 +90,11 @@ class Predictor {
   void miss_steps(double time) noexcept;
   void synchronise() noexcept;
   void identify(const Observation& o) noexcept;
+  Vector3 arriving_command() const noexcept;
   void follow_drives() noexcept;
   void identify_drive(const Observation& o) noexcept;
+  void identify_gains(const Observation& o, const Vector3& command) noexcept;
+  Vector3 gains() const noexcept;
   void correct_base(const Vector3& measured) noexcept;
   void predict_object(const ObjectState& seen, std::size_t i) noexcept;
   void predict_joints(const VectorX& q) noexcept;
@@ -102,6 +109,8 @@ class Predictor {
   BaseRamp ramp_;
   VectorX joint_step_;  // largest change of a joint's command in a period
   double base_share_;
+  Vector3 base_speed_ = Vector3::Zero();  // largest velocities
+  double gain_prior_ = 0.0;               // weight of a gain of 1 [(m/s)^2, (rad/s)^2]; 0: gains are 1
   UncertaintyParams uncertain_;
   Uncertainty uncertainty_;
   PoseFilter filter_;

@@ -23,8 +23,8 @@ struct Lateness {
 class LateRobot {
  public:
   LateRobot(const RobotModel& model, const Lateness& late, const Vector3& base, const VectorX& q,
-            const BaseRamp::Shares& shares = {})
-      : model_(model), late_(late), shares_(shares) {
+            const BaseRamp::Shares& shares = {}, const Vector3& gains = Vector3::Ones())
+      : model_(model), late_(late), shares_(shares), gains_(gains) {
     state_.base = base;
     state_.q = q;
     state_.qdot = VectorX::Zero(model.num_velocities());
@@ -41,10 +41,11 @@ class LateRobot {
   }
   void drive(const VectorX& sent) {
     sent_.push_front(sent);
-    const VectorX base = late(late_.base_drive), joints = late(late_.joint_drive);
+    const int dof = model_.base_dof();
+    const VectorX base = gains_.head(dof).cwiseProduct(late(late_.base_drive).head(dof));
+    const VectorX joints = late(late_.joint_drive);
     constexpr int kSteps = 400;
     const double h = kPeriod / kSteps;
-    const int dof = model_.base_dof();
     for (int k = 0; k < kSteps && dof > 0; ++k) {
       VectorX change = base.head(dof) - state_.qdot.head(dof);
       const VectorX now = state_.qdot.head(dof);
@@ -79,6 +80,7 @@ class LateRobot {
   const RobotModel& model_;
   Lateness late_;
   BaseRamp::Shares shares_;
+  Vector3 gains_;  // velocity / command
   Observation state_;
   std::deque<Observation> past_;
   std::deque<VectorX> sent_;
@@ -161,6 +163,69 @@ TEST(Predictor, FindsHowTheBasesDriveFollows) {
       EXPECT_EQ(predictor.drive().slowing, 1.0);
     }
   }
+}
+
+// A base that drives and turns by another factor than it is told, measured with noise: commands allow for it, so that
+// it moves as was asked, and predictions are right.
+TEST(Predictor, FindsTheBasesGains) {
+  constexpr Lateness kLate{3, 1, 1, 0};
+  const Vector3 gains(0.92, 1.1, 0.95);
+  for (const auto& model : {frankie(), mecanum()}) {
+    for (const double spread : {0.1, 0.0}) {
+      Rng rng(4);
+      std::normal_distribution<double> noise(0.0, 0.01);
+      PredictionParams params = known(kLate);
+      params.identify = true;
+      params.estimation.gain = spread;
+      Predictor predictor(*model, params, {}, 0.0, kPeriod);
+      predictor.reset({});
+      LateRobot robot(*model, kLate, Vector3::Zero(), model->ready, {}, gains);
+      const int dof = model->base_dof();
+      VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
+      std::deque<Observation> predicted;
+      double off_velocity = 0.0, off_place = 0.0;
+      for (int k = 0; k < 500; ++k) {
+        Observation o = robot.measured();
+        for (int i = 0; i < dof; ++i) o.qdot[i] += noise(rng);
+        predicted.push_front(predictor.predict(o));
+        if (k > 350) {
+          const Observation& then = predicted[static_cast<std::size_t>(kLate.base_drive)];
+          off_place = std::max(off_place, (then.base - robot.state().base).norm());
+          if (k % 100 > 70) off_velocity = std::max(off_velocity, (robot.state().qdot - command).head(dof).norm());
+        }
+        if (k % 100 == 0) command.head(dof) = (k % 200 == 0 ? 0.4 : -0.3) * VectorX::Ones(dof);
+        predictor.send(command, sent);
+        robot.drive(sent);
+      }
+      if (spread > 0.0) {
+        EXPECT_LT(off_velocity, 0.004) << model->name << " [m/s, rad/s]";
+        EXPECT_LT(off_place, 0.003) << model->name << " [m, rad]";
+      } else {  // the test can fail
+        EXPECT_GT(off_velocity, 0.02) << model->name;
+      }
+    }
+  }
+}
+
+// A command that the base's speeds do not allow is not sent, whatever the gain.
+TEST(Predictor, SendsNoMoreThanTheBasesSpeeds) {
+  const auto model = frankie();
+  PredictionParams params = known({});
+  params.identify = true;
+  params.estimation.gain = 0.1;
+  Predictor predictor(*model, params, {}, 0.0, kPeriod);
+  predictor.reset({});
+  LateRobot robot(*model, {}, Vector3::Zero(), model->ready, {}, {0.9, 0.9, 1.0});
+  const VectorX most = model->velocity_limits();
+  VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
+  command.head(2) = most.head(2);
+  for (int k = 0; k < 300; ++k) {
+    predictor.predict(robot.measured());
+    predictor.send(command, sent);
+    for (int i = 0; i < 2; ++i) ASSERT_LE(sent[i], most[i]) << "step " << k;
+    robot.drive(sent);
+  }
+  EXPECT_NEAR(predictor.velocity()[0], 0.9 * most[0], 0.01 * most[0]);  // it knows what the base does
 }
 
 // Without the predictor's knowledge the error would be that of the commands on their way: the test above can fail.
