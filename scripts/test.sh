@@ -13,4 +13,5 @@ if ! cmp -s python/requirements-tests.txt .venv/.installed-tests; then
   fi
 fi
 if [ "$#" -eq 0 ]; then scripts/check_format.sh; fi
-ctest --test-dir build --output-on-failure --no-tests=error -j "$(nproc)" "$@"
+# One more at a time than there are processors: some tests wait for a lock or a browser.
+ctest --test-dir build --output-on-failure --no-tests=error -j "$(($(nproc) + 1))" "$@"

@@ -34,7 +34,7 @@ class Unpacked {
   std::vector<double> values_;
 };
 
-/// Nothing where the goal moves or lies at the base.
+/// Empty if the goal moves or lies at the base.
 std::optional<double> goal_bearing(SQLite::Statement& row) {
   const Json goal = parse_stored(row.getColumn("json_world").getString()).at("goal");
   if (goal.contains("motion") && goal.at("motion").value("kind", "") != "static") return {};
@@ -93,7 +93,7 @@ void add_evidence(SQLite::Database& store, std::int64_t worlds, const TimeKnown&
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception&) {
-      // Samples or worlds that do not fit tell nothing; the replay says what is wrong with them.
+      // Inconsistent samples or worlds explain nothing here; the replay reports what is wrong with them.
     }
   }
   add_column("goal_bearing_rad", bearings, page);

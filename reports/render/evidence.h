@@ -22,14 +22,14 @@ struct HitObject {
   std::vector<double> base;   ///< x, y, heading of each sample, one after the other [m, m, rad]
 };
 
-/// For how long the controller had known the object at the contact [s], 0: it did not; nothing where it knew all
-/// objects. Whoever has the simulation's rules answers: this folder sees only the database.
+/// Returns the time [s] between the detection of the object and the contact; 0 if the object was never detected, empty
+/// if the controller was told all objects. A callback, because the rule of detection belongs to the simulation.
 using TimeKnown = std::function<std::optional<double>(const HitObject&)>;
 
-/// Adds to the trials of `page` what their samples tell about their failures: columns `goal_bearing_rad`, where the
-/// goal lies at the end, seen from a base that cannot drive sideways (0: ahead; goals at rest, and nothing else held
-/// the robot), and `known_before_contact_s` where `time_known` is given. A column without any value is left out. Of at
-/// most `kMostEvidence` trials in worlds before `worlds`; about 1 ms each.
+/// Adds columns to the trials of `page` that explain failures by their samples. `goal_bearing_rad`: bearing of the goal
+/// from a nonholonomic base at the end of the trial (0: ahead), if the goal rests and nothing else held the robot;
+/// `known_before_contact_s`: the answer of `time_known`, if given. Columns without values are omitted. Reads at most
+/// `kMostEvidence` trials of worlds below `worlds`, about 1 ms each.
 void add_evidence(SQLite::Database& store, std::int64_t worlds, const TimeKnown& time_known,
                   nlohmann::ordered_json& page);
 

@@ -8,14 +8,13 @@ namespace moma::reports {
 /// The page: one HTML document with its data, style and script inside.
 std::string html(const nlohmann::ordered_json& page);
 
-/// The page of `moma view`: its data comes from the server that it came from, and from nowhere else.
+/// The page of `moma view`, which requests its data from its own server and from no other.
 std::string served_html(const std::string& title);
 
-/// JSON that may stand inside a <script>: pure ASCII but for what UTF-8 needs, without "<", bytes that are not
-/// UTF-8 replaced.
+/// Returns JSON that is safe inside a <script>: valid UTF-8 (other bytes are replaced) without "<".
 std::string script_json(const nlohmann::ordered_json& json);
 
-/// Text that may stand in an element.
+/// Returns `text` escaped for the content of an element.
 std::string escape(std::string_view text);
 
 }  // namespace moma::reports

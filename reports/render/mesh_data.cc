@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Cell = std::array<std::int64_t, 3>;
 
-/// With the least index first: the same triangle, the same way round, is the same triple.
+/// Rotates the indices until the least is first, so that equal oriented triangles are equal triples.
 std::array<int, 3> turned(const std::array<int, 3>& t) {
   const auto first = std::min_element(t.begin(), t.end()) - t.begin();
   return {t[static_cast<std::size_t>(first)], t[static_cast<std::size_t>((first + 1) % 3)],

@@ -24,13 +24,13 @@ struct OwnMetric {
 /// Returns a store's own metrics in the order of their registration.
 std::vector<OwnMetric> own_metrics(SQLite::Database& store, const std::set<std::string>& taken);
 
-/// The same of a file. Throws ReportError where it is no store of moma's or cannot be read.
+/// Returns the own metrics of the store in a file. Throws ReportError if the file is no readable store of moma's.
 std::vector<OwnMetric> own_metrics(const std::filesystem::path& store, const std::set<std::string>& taken);
 
-/// Its value of the trial whose key is `key` (SQL), as an expression.
+/// Returns the SQL expression of the metric's value in the trial with the key `key` (SQL).
 std::string value_sql(const OwnMetric& metric, const std::string& key);
 
-/// A name in SQL.
+/// Returns a quoted SQL identifier.
 std::string sql_name(const std::string& name);
 
 /// The suites' own metrics as the page has them beside moma's.
@@ -40,10 +40,10 @@ struct OwnMetrics {
   std::string columns;                  ///< ", (SELECT ...) AS KEY" for each, over `t`, the table of trials
 };
 
-/// A key is the metric's name as shown, "metric_NAME" where moma has a column of that name.
+/// The key of a metric is its name, or "metric_NAME" if moma has a column with that name.
 OwnMetrics page_metrics(SQLite::Database& store);
 
-/// Adds `own`, means by key, to the rows of the summary and of all families together, where the store has any.
+/// Adds `own`, the means by key, to the summary's rows per family and over all families, if the store has any.
 void add_own_means(SQLite::Database& store, const OwnMetrics& metrics, nlohmann::ordered_json& page);
 
 }  // namespace moma::reports

@@ -6,7 +6,7 @@
 
 namespace moma::reports {
 
-/// The values' first bytes, then their second ones, and so on: those of like significance compress better together.
+/// Returns the values as byte planes: all first bytes, then all second bytes, and so on, which compresses better.
 template <class Value>
 std::vector<unsigned char> planes(const std::vector<Value>& values) {
   std::vector<unsigned char> bytes(values.size() * sizeof(Value));
@@ -18,7 +18,7 @@ std::vector<unsigned char> planes(const std::vector<Value>& values) {
   return bytes;
 }
 
-/// Deflated (zlib), in base64: bytes as the page's data block holds them. Throws std::runtime_error: out of memory.
+/// Returns bytes deflated (zlib) and in base64, as in the page's data block. Throws std::runtime_error without memory.
 std::string packed(const std::vector<unsigned char>& bytes);
 
 }  // namespace moma::reports

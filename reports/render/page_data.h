@@ -12,7 +12,7 @@
 
 namespace moma::reports {
 
-/// A column of trials while it is read: of numbers, or from its first text on of texts.
+/// A column of trials while it is read. It holds numbers until its first text, and texts from then on.
 class TrialColumn {
  public:
   void add(nlohmann::ordered_json cell, bool is_text);
@@ -31,24 +31,23 @@ class TrialColumn {
 /// reports/sql give them; trials by column, texts as codes into a list; infinities as "inf" and "-inf".
 nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options);
 
-/// The same of several stores, so that their controllers stand side by side. Where each store holds one suite, all
-/// trials are shown as one; else equal names of suites are the same suite. A controller that several stores hold
-/// under one name is called "NAME (STORE)". Rows of invocations, points, summaries, trials and replays tell their
-/// store. `labels` are the stores' distinct names.
+/// Combines the pages of several stores, so that their controllers stand side by side. If each store has one suite, the
+/// combined page has one; otherwise suites with the same name are joined. A controller in several stores becomes "NAME
+/// (STORE)". Rows of invocations, points, summaries, trials and replays name their store. `labels`: distinct names of
+/// the stores.
 nlohmann::ordered_json combined(std::vector<nlohmann::ordered_json> pages, const std::vector<std::string>& labels);
 
-/// Opens and reads the stores; several are combined. Throws ReportError.
+/// Reads the stores into one page. Throws ReportError.
 nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& options);
 
-/// Adds to the page "replays", the worst trials of each kind among those with samples of worlds before `worlds`, and
-/// "robots", each robot that one of them needs, by its id. With `options.served` the trials are named only: their
-/// motion is asked for later.
+/// Adds "replays" to the page, the worst trials of each kind among the sampled trials of worlds below `worlds`, and
+/// "robots", their robots by id. With `options.served` replays are names alone: the page requests their motions.
 void add_replays(SQLite::Database& store, const ReportOptions& options, std::int64_t worlds,
                  nlohmann::ordered_json& page);
 
-/// One trial as the page plays it, with its robot: an element of "replays" and "resolved". `trial` is its whole
-/// name; nothing where the store has no such trial. `simulate` stands in for samples that the store does not hold, and
-/// gives the rows of the QP; without samples "n" is 0. Throws what `simulate` throws, unless samples are stored.
+/// Returns one trial as the page plays it, an element of "replays" and "resolved"; empty if the store lacks the trial.
+/// `trial`: its whole name. `simulate` provides samples that are not stored, and the rows of the QP; without samples
+/// "n" is 0. Propagates exceptions of `simulate` if no samples are stored.
 std::optional<nlohmann::ordered_json> replay_of(SQLite::Database& store, const std::string& trial, double hz,
                                                 const Simulate& simulate);
 

@@ -34,17 +34,17 @@ std::vector<std::size_t> kept_rows(const double* t, std::size_t n, double hz) {
   return rows;
 }
 
-/// In whole steps, within 16 bits.
+/// Quantizes to whole steps, clamped to 16 bits.
 std::int16_t rounded(double value, double step) {
   return static_cast<std::int16_t>(std::lround(std::clamp(value / step, -32768.0, 32767.0)));
 }
 
-/// To sixteen binary digits, as floats: their last bytes are zeros, which take no room.
+/// Rounds to 16 significant bits: the last byte of each float becomes zero and compresses away.
 double coarse(double value) {
   return std::bit_cast<float>((std::bit_cast<std::uint32_t>(static_cast<float>(value)) + 0x80u) & ~0xffu);
 }
 
-/// Columns that say what a controller was about that looks ahead.
+/// Columns of the look-ahead: its activity, its reason, its path and its choice.
 bool of_a_plan(std::string_view name) {
   return name.starts_with("plan_") || name == "detour" || name == "detour_x" || name == "detour_y";
 }

@@ -26,8 +26,7 @@ Json head(SQLite::Statement& row) {
           {"world", parse_stored(row.getColumn("json_world").getString())}};
 }
 
-/// Simulates a trial again; nothing where that cannot be done here. Whatever else fails is no reason for a page without
-/// rows.
+/// Simulates a trial again; empty if this program cannot. Other failures leave the page without the rows of the QP.
 std::optional<OwnedSamples> again(const SQLite::Database& store, const Simulate& simulate, const std::string& trial) {
   try {
     return simulate ? simulate(store.getFilename(), trial) : std::nullopt;
@@ -36,8 +35,8 @@ std::optional<OwnedSamples> again(const SQLite::Database& store, const Simulate&
   }
 }
 
-/// Adds the motion of a trial at `hz` samples a second to its head: as stored, else as it was simulated again, with the
-/// rows of its QP where it was. False where there is neither.
+/// Adds a trial's motion at `hz` samples per second: the stored samples, or else those of a new simulation, which also
+/// gives the rows of the QP. Returns false if there is neither.
 bool add_motion(SQLite::Statement& row, const std::optional<OwnedSamples>& made, double hz, Json& replay) {
   const bool stored = !row.getColumn("n").isNull() && row.getColumn("n").getInt64() > 0;
   if (!stored && (!made || made->n == 0)) return false;
@@ -45,7 +44,7 @@ bool add_motion(SQLite::Statement& row, const std::optional<OwnedSamples>& made,
   return true;
 }
 
-/// Adds the success in the world of a failed trial, where there is one whose motion can be had.
+/// Adds a success in the same world as a failed trial, if its motion is available.
 void add_twin(SQLite::Database& store, const ReportOptions& options, const std::string& failed, Json& page) {
   SQLite::Statement query(store, std::string(twin_sql()));
   query.bind(1, failed);

@@ -19,7 +19,7 @@ constexpr int kApplicationId = 1836019041;  // "moma"
 
 constexpr int kDeepest = 100;
 
-/// The moment travels in the pointer itself, since a connection outlives whoever opened it.
+/// Encodes the deadline in the pointer itself, because the connection outlives the function that opened it.
 int over(void* moment) {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::milliseconds>(now).count() > reinterpret_cast<std::intptr_t>(moment)

@@ -15,7 +15,7 @@ namespace moma::reports {
 inline constexpr int kOldestSchema = 4;
 inline constexpr int kNewestSchema = 4;
 
-/// For how long a store may keep us reading: its views could be of any length. Far beyond what a million trials take.
+/// Time limit for reading a store, since its views may run for ever. A million trials take far less.
 inline constexpr std::chrono::seconds kPatience{600};
 
 /// Opens moma's store for reading. Its triggers do not run; after `patience` whatever is asked of it fails with

@@ -172,8 +172,8 @@ struct Server {
   std::atomic<int> port{0};
 
   Answer answer(const std::string& path, const std::string& method, const std::string& host) {
-    // A browser names the site that it believes to talk to: another site's name may resolve to this machine, and its
-    // scripts would then read the store.
+    // Guard against DNS rebinding: a foreign host name may resolve to this machine, and its scripts would then read
+    // the store. The browser names the host that it believes to talk to.
     if (host != fmt::format("{}:{}", kHost, port.load()) && host != fmt::format("localhost:{}", port.load()))
       return refusal(MHD_HTTP_FORBIDDEN, fmt::format("wanted: http://{}:{}/", kHost, port.load()));
     if (method != MHD_HTTP_METHOD_GET && method != MHD_HTTP_METHOD_HEAD)

@@ -32,13 +32,13 @@ export function part(link: string): string {
   return stem === '@base' ? 'base' : stem;
 }
 
-/** Nearer than this, an object is taken for what holds the robot [m]. */
+/** An object nearer than this counts as the obstacle that holds the robot [m]. */
 const kHolds = 0.1;
-/** Known for less than this before the contact, an object came too late [s]. */
+/** An object detected less than this before the contact was detected too late [s]. */
 const kLate = 1;
 /** Share of infeasible steps that is more than a passing difficulty. */
 const kOften = 0.1;
-/** Sine of how far off its axis a base has the goal beside it. */
+/** Sine of the bearing beyond which a goal lies beside the base. */
 const kBeside = 0.5;
 
 interface Held { near: string[]; limits: string[]; outside: string; told: boolean }

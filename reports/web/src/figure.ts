@@ -56,7 +56,7 @@ export function figure(spec: FigureSpec): HTMLElement {
       chart.on('click', (event) => spec.click?.(event.data));
     }
     const series = (drawing.option['series'] as Option[]).map((s) => (spec.click === undefined ? { cursor: 'default', ...s } : s));
-    // Who has asked their system for less motion gets none.
+    // No animation if the system prefers reduced motion.
     const still = matchMedia('(prefers-reduced-motion: reduce)').matches ? { animation: false } : {};
     const common = base(palette());
     const tooltip = { ...common['tooltip'] as Option, ...drawing.option['tooltip'] as Option | undefined };

@@ -23,7 +23,7 @@ export function goTo(element: Element | null): void {
   if (changes === null) {
     changes = new ResizeObserver(align);
     for (const act of ['wheel', 'touchstart', 'pointerdown', 'keydown']) addEventListener(act, release, { capture: true, passive: true });
-    // A scroll bar tells nobody but by what it does. The browser's own anchoring is off, so that else only align() scrolls.
+    // Dragging the scroll bar fires no event of its own; the browser's scroll anchoring is off, so any scroll that align() did not make is the reader's.
     addEventListener('scroll', () => { if (target !== null && Math.abs(scrollY - place) > 2 && scrollY + innerHeight < document.documentElement.scrollHeight - 2) release(); }, { passive: true });
   }
   target = element;

@@ -19,7 +19,7 @@ function roughly(seconds: number): string {
   return `${(seconds / 3600).toFixed(1)}\u00a0h`;
 }
 
-/** How many trials a second, from what was seen when; null until it can be told. */
+/** Trials per second over the observed counts; null until two counts differ. */
 class Pace {
   private readonly seen: { at: number; stored: number }[] = [];
 
@@ -62,7 +62,7 @@ export function liveLine(model: Model): HTMLElement | null {
     }
     shown = page.live?.token ?? shown;
     refreshView();
-    // A large store must not keep the machine busy with showing it.
+    // The interval grows with the time that an update takes, so that showing a large store does not load the machine.
     pause = Math.max(kPause, 10 * (performance.now() - began));
   };
 

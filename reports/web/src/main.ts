@@ -1,5 +1,5 @@
-// The report page. Everything that a written report shows is in the data block of the same file, and nothing is fetched;
-// the page of `moma view` asks the server that it came from.
+// The report page. A written report holds all its data in one file and fetches nothing; the page of `moma view` requests
+// its data from its own server.
 
 import './style.css';
 

@@ -1,4 +1,4 @@
-// A trial that was chosen anywhere: it is shown in the table, marked in figures, and played where its motion is in the page.
+// The selected trial: the table shows it, figures mark it, and the replay plays it if the page has its motion.
 
 import type { Model } from './data';
 import * as state from './state';

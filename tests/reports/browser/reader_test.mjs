@@ -59,28 +59,6 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
   await context.close();
 }
 
-// ---- a saved figure says what it shows, and has room around it --------------------------------------------------------------
-{
-  const { context, page } = await open(html);
-  const figure = page.locator('#figure-arrival');
-  await figure.scrollIntoViewIfNeeded();
-  await page.waitForSelector('#figure-arrival canvas');
-  const svg = await saved(page, figure.getByText('Save SVG'));
-  check(svg.includes('<title>Arrived by a given time</title>') && />Arrived by a given time<\/text>/.test(svg), `the title of a saved figure: ${svg.slice(0, 400)}`);
-  // In the widest of the fonts that may stand in for the page's own.
-  const cut = await page.evaluate((text) => {
-    const box = document.body.appendChild(document.createElement('div'));
-    box.innerHTML = text.replaceAll("'Inter Variable', Inter", "'DejaVu Sans', Verdana");
-    const frame = box.firstChild.getBoundingClientRect();
-    const out = [...box.querySelectorAll('text')].filter((t) => t.textContent.trim() !== '').map((t) => [t.textContent, t.getBoundingClientRect()])
-      .filter(([, r]) => r.left < frame.left || r.right > frame.right || r.top < frame.top || r.bottom > frame.bottom).map(([t]) => t);
-    box.remove();
-    return out;
-  }, svg);
-  check(cut.length === 0, `a saved figure cuts off ${cut}`);
-  await context.close();
-}
-
 // ---- two motions in one world ------------------------------------------------------------------------------------------
 {
   check(both.length > 0, `failures with a success in the same world: ${both.length} of ${failed.length}`);
@@ -163,7 +141,7 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
   await context.close();
 }
 
-// ---- Back leads back, and lists are one stop of the Tab key --------------------------------------------------------------
+// ---- Back leads back, lists are one stop of the Tab key, and figures are saved --------------------------------------------------------------
 {
   const { context, page } = await open(html);
   await page.getByRole('navigation').getByText('Failures').click();
@@ -184,6 +162,23 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
   await page.keyboard.press('ArrowDown');
   check(await page.evaluate(() => document.activeElement === document.querySelectorAll('.shelf button')[1]), 'an arrow moves within the list');
   check((await page.locator('.shelf button[tabindex="0"]').count()) === 1, 'a list is one stop');
+  // A saved figure says what it shows, and has room around it.
+  const figure = page.locator('#figure-arrival');
+  await figure.scrollIntoViewIfNeeded();
+  await page.waitForSelector('#figure-arrival canvas');
+  const svg = await saved(page, figure.getByText('Save SVG'));
+  check(svg.includes('<title>Arrived by a given time</title>') && />Arrived by a given time<\/text>/.test(svg), `the title of a saved figure: ${svg.slice(0, 400)}`);
+  // In the widest of the fonts that may stand in for the page's own.
+  const cut = await page.evaluate((text) => {
+    const box = document.body.appendChild(document.createElement('div'));
+    box.innerHTML = text.replaceAll("'Inter Variable', Inter", "'DejaVu Sans', Verdana");
+    const frame = box.firstChild.getBoundingClientRect();
+    const out = [...box.querySelectorAll('text')].filter((t) => t.textContent.trim() !== '').map((t) => [t.textContent, t.getBoundingClientRect()])
+      .filter(([, r]) => r.left < frame.left || r.right > frame.right || r.top < frame.top || r.bottom > frame.bottom).map(([t]) => t);
+    box.remove();
+    return out;
+  }, svg);
+  check(cut.length === 0, `a saved figure cuts off ${cut}`);
   await context.close();
 }
 

@@ -321,7 +321,7 @@ const replayOnPhone = async (page, scheme) => {
   holder.stdin.end();
   await page.waitForFunction(() => document.querySelector('#trials footer .note').textContent.startsWith('40'));
   check((await page.locator('.summary tbody tr').last().locator('td').first().innerText()) === '20', 'the summary has followed');
-  check((await page.locator('.live').innerText()).includes('no run is going on'), 'the end of the run is told');
+  await page.waitForFunction(() => document.querySelector('.live').textContent.includes('no run is going on'));   // the end of the run is told
   stopped = true;
   server.kill('SIGTERM');
   check((await ended) === 0, 'the server ends cleanly');
