@@ -257,6 +257,31 @@ TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
   EXPECT_GE(found, 4);
 }
 
+// Distance on the way is given up late: after two plans that failed, the last tier keeps half of its share.
+TEST(Planner, TheLastTierComesCloserAfterTwoPlansThatFailed) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  const ControllerParams params = close_params(*model, 600);
+  const double tight = params.plan.search.tight * params.plan.clearance;
+  Planner planner(model, params);
+  int early = 0, late = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Scene scene = between_plates(model, seed);
+    bool found = plan_whole(planner, scene, seed);
+    int failed = 0;
+    for (; !found && failed < 5; ++failed) {
+      planner.begin(scene.start, scene.X_WG, scene.states, seed);
+      long budget = 1L << 40;
+      planner.advance(budget);
+      found = planner.found();
+    }
+    if (!found || planner.path().clearance == params.plan.clearance) continue;  // no way, or a tier before the last
+    EXPECT_DOUBLE_EQ(planner.path().clearance, failed < 2 ? tight : 0.5 * tight) << failed << " plans failed";
+    ++(failed < 2 ? early : late);
+  }
+  EXPECT_GT(early, 0);
+  EXPECT_GT(late, 0);
+}
+
 // From some moment on the time that a search takes counts more than a quicker path.
 TEST(Planner, InAHurryTheBestSoFarCounts) {
   const auto model = load_model("configs/robots/panda.yaml");
