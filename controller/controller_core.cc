@@ -30,6 +30,10 @@ std::shared_ptr<const RobotModel> not_null(std::shared_ptr<const RobotModel> mod
   return model;
 }
 
+bool finite(const GoalState& goal) noexcept {
+  return goal.X_WG.matrix().allFinite() && goal.V_WG_W.allFinite() && goal.free.allFinite();
+}
+
 bool finite(const std::optional<ObjectCovariance>& covariance) noexcept {
   return !covariance || (covariance->position_W.allFinite() && covariance->velocity_W.allFinite());
 }
@@ -125,8 +129,8 @@ void ControllerCore::begin(StepResult& result) noexcept {
 bool ControllerCore::usable(const Observation& o) const noexcept {
   if (o.q.size() != model_->num_joints() || o.qdot.size() != model_->num_velocities() || o.objects.size() != told_)
     return false;
-  if (!std::isfinite(o.time) || !o.base.allFinite() || !o.q.allFinite() || !o.qdot.allFinite() ||
-      !o.goal.X_WG.matrix().allFinite() || !o.goal.V_WG_W.allFinite() || !o.goal.free.allFinite())
+  if (!std::isfinite(o.time) || !o.base.allFinite() || !o.q.allFinite() || !o.qdot.allFinite() || !finite(o.goal) ||
+      (o.next && !finite(*o.next)))
     return false;
   for (const ObjectState& object : o.objects)
     if (object.visible &&

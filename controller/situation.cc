@@ -12,6 +12,7 @@ void copy_observation(const Observation& from, Observation& to) noexcept {
   to.q = from.q;
   to.qdot = from.qdot;
   to.goal = from.goal;
+  to.next = from.next;
   std::copy_n(from.objects.begin(), std::min(from.objects.size(), to.objects.size()), to.objects.begin());
 }
 

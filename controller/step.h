@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,7 @@ struct Observation {
   VectorX q;                       ///< num_joints()
   VectorX qdot;                    ///< measured velocity, num_velocities()
   GoalState goal;
+  std::optional<GoalState> next;     ///< the goal after it, where one follows and is known
   std::vector<ObjectState> objects;  ///< in the number and order of reset()
 };
 

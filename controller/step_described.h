@@ -52,6 +52,7 @@ constexpr void describe(auto& v, Of<Observation>) {
   v.member("qdot", &T::qdot,
            {.unit = "rad/s or m/s", .per = Per::kVelocity, .text = "measured velocities, base first"});
   v.member("goal", &T::goal, {.required = true, .text = "a pose, its twist and what it asks for"});
+  v.member("next", &T::next, {.text = "the goal after it; where none is told, it is the last one as far as is known"});
   v.member("objects", &T::objects, {.text = "in the order of the reset"});
 }
 

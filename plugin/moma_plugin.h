@@ -24,7 +24,7 @@ extern "C" {
 
 /** Raised whenever a function or struct below changes, and with it the protocol of processes
  * (plugin/process/session.h). A library made for another version is refused. */
-#define MOMA_PLUGIN_ABI 4
+#define MOMA_PLUGIN_ABI 5
 
 #if defined(_WIN32)
 #define MOMA_PLUGIN_EXPORT __declspec(dllexport)
@@ -104,6 +104,12 @@ typedef struct moma_observation {
   double goal_twist[6]; /**< [rad/s, m/s] [angular; linear], the goal's own; 0 where it stands still */
   double goal_stop; /**< 1 or 0; where it is not, the hand passes through on its way on */
   double goal_free[6]; /**< 1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z */
+  double has_next; /**< 0: there is none, its numbers mean nothing */
+  double next_position[3]; /**< [m] */
+  double next_rotation[9]; /**< 3 x 3, by rows */
+  double next_twist[6]; /**< [rad/s, m/s] [angular; linear], the goal's own; 0 where it stands still */
+  double next_stop; /**< 1 or 0; where it is not, the hand passes through on its way on */
+  double next_free[6]; /**< 1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z */
 /* end of numbers of an observation */
   /* clang-format on */
   const double* q;

@@ -80,6 +80,11 @@ void Choice::put(const MotionState& motion, Observation& o) const noexcept {
   o.qdot[base - 1] = motion.v[2];
 }
 
+const Isometry* Choice::goal_after(const Observation& o) const noexcept {
+  const bool passes = lets_pass_ && !o.goal.stop && o.next && o.next->V_WG_W.norm() <= kAtRest;
+  return passes ? &o.next->X_WG : nullptr;
+}
+
 void Choice::begin(const Observation& from, double direct_time, int number, bool plans) noexcept {
   copy_observation(from, from_);
   verdict_ = {.kind = PlanKind::kPolicy, .tried = 1, .policy = direct_time};
@@ -94,7 +99,7 @@ void Choice::begin(const Observation& from, double direct_time, int number, bool
 
 void Choice::end_way() noexcept {
   on_way_ = false;
-  const double time = direct_way_.path().duration;
+  const double time = direct_way_.path().arrival();
   direct_ = direct_way_.found() && (verdict_.policy < 0.0 || time < verdict_.policy);
   if (direct_) {
     ++verdict_.tried;

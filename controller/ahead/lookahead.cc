@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -178,19 +179,30 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing;
   if (state_.has_goal && jumped(params_.decisions, state_.X_WG, o.goal.X_WG)) {
     Following* on_path = doing<Following>();
-    if (on_path && !stands && params_.direct > 0 && !(state_.path.kept_at_goal < state_.path.clearance)) {
+    Path& path = state_.path;
+    const PlanarShift shift = shift_of_goal(mobile_ && is_whole(o.goal), path.X_WG, state_.X_WG);
+    const bool onward = on_path && path.passes() && !jumped(params_.decisions, path.X_WN, shift.back(o.goal.X_WG));
+    state_.missed = false;
+    if (onward) {
+      path.X_WG = shift.back(o.goal.X_WG);
+      path.pass = kInfinity;
+      *on_path = {0, state_.brief.clock};
+      job_ = Job::kNone;
+    } else if (on_path && !stands && params_.direct > 0 && !(path.kept_at_goal < path.clearance)) {
       state_.former = true;  // it stays on the path until a way on is known
-      state_.path.X_WG = shift_of_goal(mobile_ && is_whole(o.goal), state_.path.X_WG, state_.X_WG).back(o.goal.X_WG);
+      path.X_WG = shift.back(o.goal.X_WG);
+      path.pass = kInfinity;
       *on_path = {0, state_.brief.clock};
       job_ = Job::kNone;
     } else {
       const bool was_direct = state_.brief.mode == PlanMode::kDirect;
       go_direct(PlanReason::kStart, was_direct ? Detours::kKept : Detours::kCleared);
     }
-    state_.steps = state_.next = 0;
+    state_.steps = state_.next = state_.next_onward = 0;
   }
   state_.X_WG = o.goal.X_WG;
   state_.has_goal = true;
+  choice_.let_pass(!state_.missed);
   int known = 0;
   bool movers = false;
   for (const ObjectState& object : o.objects) {
@@ -313,7 +325,16 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
     stop(PlanReason::kPathBroken, -1.0);
     return;
   }
-  const double rest = state_.path.duration - state_.brief.clock;
+  Path& path = state_.path;
+  if (path.passes() && state_.brief.clock >= path.pass) {
+    if (arrived_ || state_.brief.clock < path.pass + params_.decisions.missed) return;
+    // The path leads away from a goal that it has missed.
+    state_.missed = state_.former = true;
+    path.pass = kInfinity;
+    choice_.let_pass(false);
+    job_ = Job::kNone;
+  }
+  const double rest = path.arrival() - state_.brief.clock;
   if (state_.former) {
     if (!work_way(o, kInfinity, budget)) go_direct(PlanReason::kStart, Detours::kCleared);
     return;
@@ -331,7 +352,12 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   // Nothing is quicker than a direct way. The policy's rows keep more than a path of little clearance has.
   const bool direct = state_.brief.reason == PlanReason::kDirectWay;
   const bool tight = params_.follow.to_end && state_.path.clearance < params_.clearance;
-  const bool due = !direct && !tight && (state_.steps >= state_.next || news_);
+  // Another path to the goal would need a way on from there again.
+  constexpr double kTimeToPlanOn = 1.5;  // [s]
+  const bool late = path.passes() && rest < kTimeToPlanOn;
+  const bool due = !direct && !tight && !late && (state_.steps >= state_.next || news_);
+  const bool may_go_on = job_ == Job::kNone || job_ == Job::kGoOn || job_ == Job::kPass;
+  if (may_go_on && !stuck() && work_onward(o, budget)) return;
   if (job_ == Job::kNone && !due && !stuck()) return;
   const bool close = state_.path.kept_at_goal < state_.path.clearance;
   if (job_ != Job::kPredict && !close && !stuck() && work_way(o, rest, budget)) return;
@@ -374,6 +400,84 @@ bool Lookahead::work_way(const Observation& o, double rest, long& budget) noexce
   state_.path.begin_earlier(until);
   state_.next = state_.steps + periods(params_.period);
   begin_path(choice_.is_direct() ? PlanReason::kDirectWay : PlanReason::kQuicker);
+  return true;
+}
+
+// Towards a goal that need not be stopped at, plans on to the next one: first from the end of the path, then for a way
+// that passes the goal without a stop. True while there is work.
+bool Lookahead::work_onward(const Observation& o, long& budget) noexcept {
+  if (job_ == Job::kNone) {
+    const bool close = state_.path.kept_at_goal < state_.path.clearance;
+    if (choice_.goal_after(o) == nullptr || !is_whole(o.goal) || !is_whole(*o.next) || close || traffic_ ||
+        state_.steps < state_.next_onward)
+      return false;
+    state_.next_onward = state_.steps + periods(params_.period);
+    return state_.path.passes() ? begin_pass(o) : begin_onward(o);
+  }
+  return job_ == Job::kPass ? work_pass(budget) : append_onward(budget);
+}
+
+// Begins a choice between ways from the end of the path to the next goal.
+bool Lookahead::begin_onward(const Observation& o) noexcept {
+  const Path& path = state_.path;
+  MotionState end{path.origin, WholeConfiguration::Zero(path.origin.size())};
+  path.at(path.duration, end.c);
+  copy_observation(o, later_);
+  choice_.put(shift_.of(end), later_);
+  later_.goal = *o.next;
+  later_.next.reset();
+  choice_.begin(later_, -1.0, ++state_.brief.attempts);
+  job_ = Job::kGoOn;
+  return true;
+}
+
+// Makes the chosen way a part of the path.
+bool Lookahead::append_onward(long& budget) noexcept {
+  if (choice_.advance(budget)) return true;
+  job_ = Job::kNone;
+  Path on = choice_.path();
+  if (choice_.verdict().kind != PlanKind::kPath || on.kept_at_goal < on.clearance) return false;
+  for (PathPart& part : std::span(on.motions).first(static_cast<std::size_t>(on.count)))
+    part.change = shift_.turned_back(part.change);
+  if (!state_.path.append(state_.brief.clock, on, shift_.back(later_.goal.X_WG))) return false;
+  if (!choice_.is_direct()) state_.brief.reason = PlanReason::kQuicker;  // something may be quicker on the way
+  state_.brief.duration = state_.path.duration;
+  state_.next_onward = state_.steps;
+  place_end();
+  return true;
+}
+
+// Begins to look for a way that passes the goal, from where the path has the robot in a moment.
+bool Lookahead::begin_pass(const Observation& o) noexcept {
+  const Path& path = state_.path;
+  const double ahead = rate_ * params_.decisions.pass_ahead;
+  way_from_ = state_.brief.clock + ahead;
+  if (params_.direct_way.pass_tries == 0 || ahead <= 0.0 || way_from_ >= path.pass) return false;
+  MotionState later;
+  WholeConfiguration pass;
+  path.at(way_from_, later.c);
+  path.velocity(way_from_, 0.5 * dt_, later.v);
+  later.v *= rate_;
+  path.at(path.pass, pass);
+  copy_observation(o, later_);
+  choice_.put(shift_.of(later), later_);
+  choice_.direct_way().begin_passing(choice_.motion_of(later_), o.goal.X_WG, o.next->X_WG, shift_.of(pass),
+                                     path.duration - way_from_ - params_.decisions.way_gain, o.objects);
+  job_ = Job::kPass;
+  return true;
+}
+
+// Goes over to it if it is quicker than the path, goal and next goal together.
+bool Lookahead::work_pass(long& budget) noexcept {
+  DirectWay& way = choice_.direct_way();
+  const double until = std::max(0.0, way_from_ - state_.brief.clock);
+  if (way.advance(budget) && until > dt_) return true;
+  job_ = Job::kNone;
+  if (!way.found()) return false;
+  state_.path = way.path();
+  state_.path.begin_earlier(until);
+  begin_path(PlanReason::kDirectWay);
+  state_.next_onward = state_.steps + periods(params_.period);
   return true;
 }
 

@@ -63,7 +63,7 @@ class Lookahead {
   const Planner& planner() const noexcept { return choice_.planner(); }
 
  private:
-  enum class Job { kNone, kSetOut, kPredict, kChoose };
+  enum class Job { kNone, kSetOut, kPredict, kChoose, kGoOn, kPass };
   enum class Detours { kKept, kCleared };  // the policy's memory of them
 
   /// Changes `doing`, and mode and reason of the brief with it.
@@ -85,6 +85,11 @@ class Lookahead {
   void follow(const Observation& o, Following& following) noexcept;
   void work_set_out(const Observation& o, long& budget) noexcept;
   bool work_way(const Observation& o, double rest, long& budget) noexcept;
+  bool work_onward(const Observation& o, long& budget) noexcept;
+  bool begin_onward(const Observation& o) noexcept;
+  bool append_onward(long& budget) noexcept;
+  bool begin_pass(const Observation& o) noexcept;
+  bool work_pass(long& budget) noexcept;
   void work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void work_choice(const Observation& o, const EscapeState& escape, long& budget) noexcept;

@@ -51,15 +51,17 @@ inline constexpr std::size_t kGoingOn = std::variant_size_v<Doing> - 1;
 struct PlanState {
   PlanBrief brief;  ///< `mode` and `going_on` follow from `doing`
   Doing doing;
-  std::int64_t steps = 0;  ///< since the start or the goal's last jump
-  std::int64_t next = 0;   ///< step of the next prediction
-  int stagnations = 0;     ///< stagnations of the policy that are dealt with
-  bool fresh = false;      ///< the next step clears the policy's memory of detours
-  int known = 0;           ///< number of visible objects in the step before
+  std::int64_t steps = 0;        ///< since the start or the goal's last jump
+  std::int64_t next = 0;         ///< step of the next prediction
+  std::int64_t next_onward = 0;  ///< step of the next search for a path on from a goal that is passed
+  int stagnations = 0;           ///< stagnations of the policy that are dealt with
+  bool fresh = false;            ///< the next step clears the policy's memory of detours
+  int known = 0;                 ///< number of visible objects in the step before
   bool has_goal = false;
   Isometry X_WG = Isometry::Identity();  ///< goal in the step before
   Path path;                             ///< without motions if there is none
   bool former = false;                   ///< the path leads to the goal before, and the next way is not known yet
+  bool missed = false;                   ///< the goal was passed and not reached: it is stopped at
 };
 
 }  // namespace moma

@@ -47,11 +47,17 @@ constexpr void describe(auto& v, Of<PlanState>) {
   v.inlined(&T::brief);
   v.member("steps", &T::steps, in_range(kSteps, "", "since the start or the goal's last jump"));
   v.member("next", &T::next, in_range(kSteps, "", "step of the next prediction"));
+  v.member("next_onward", &T::next_onward,
+           {.range = kSteps,
+            .written = Written::kUnlessDefault,
+            .text = "step of the next search for a path on from the goal"});
   v.member("stagnations", &T::stagnations, in_range({0, 1e9}, "", "up to which nothing is news"));
   v.member("fresh", &T::fresh, {.text = "whether the direct policy's memory of detours is cleared"});
   v.member("known", &T::known, in_range({0, 1e9}, "", "objects that were seen in the step before"));
   v.member("former", &T::former,
            {.written = Written::kUnlessDefault, .text = "whether the path leads to the goal before"});
+  v.member("missed", &T::missed,
+           {.written = Written::kUnlessDefault, .text = "whether the goal was passed and not reached"});
 }
 
 namespace {
@@ -106,6 +112,8 @@ void read_path(const Node& node, const std::string& key, const RobotModel& model
   path.X_WG = read_goal(in.require("goal", "a pose"), in.key_of("goal"));
   in.read("clearance", path.clearance, Range::non_negative());
   in.read("clearance_at_goal", path.kept_at_goal, Range::non_negative());
+  in.read("passes", path.pass, Range::non_negative());
+  if (const Node* next = in.get("next_goal")) path.X_WN = read_goal(*next, in.key_of("next_goal"));
   in.require("duration", "its time in seconds");
   in.read("duration", path.duration, Range::non_negative());
   const Node& motions = in.require("motions", "a list of motions");
@@ -145,6 +153,10 @@ nlohmann::ordered_json to_json(const Path& path) {
                                  {"duration", path.duration},
                                  {"clearance", path.clearance},
                                  {"goal", pose(path.X_WG)}};
+  if (path.passes()) {
+    json["passes"] = path.pass;
+    json["next_goal"] = pose(path.X_WN);
+  }
   if (std::isfinite(path.kept_at_goal)) json["clearance_at_goal"] = path.kept_at_goal;
   return json;
 }

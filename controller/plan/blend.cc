@@ -95,4 +95,56 @@ void add_blend(Moves moves, const Blend& blend, double time, const MotionState& 
   path.duration = std::max(path.duration, rest.motion.time);
 }
 
+namespace {
+
+bool glides(const MotionLimits& limits, Moves moves, const MotionState& a, const MotionState& b,
+            const Glide& glide) noexcept {
+  bool holds = true;
+  for_each_axis(limits, moves, [&](const Axis& axis) {
+    double full = 0.0, rising = 0.0, falling = 0.0;
+    for (Eigen::Index i = axis.first; i < axis.first + axis.size; ++i) {
+      const double x = b.c[i] - a.c[i] - 0.5 * (glide.rise * a.v[i] + glide.fall * b.v[i]);
+      const double w = x / (glide.time - 0.5 * (glide.rise + glide.fall));
+      full += w * w;
+      rising += (w - a.v[i]) * (w - a.v[i]);
+      falling += (w - b.v[i]) * (w - b.v[i]);
+    }
+    const auto within = [](double square, double most) { return square <= most * most; };
+    holds = holds && within(full, axis.speed) && within(rising, axis.acceleration * glide.rise) &&
+            within(falling, axis.acceleration * glide.fall);
+  });
+  return holds;
+}
+
+}  // namespace
+
+Glide quick_glide(const MotionLimits& limits, Moves moves, const MotionState& a, const MotionState& b,
+                  double least) noexcept {
+  constexpr double kLonger = 1.03, kLongest = 20.0;  // [1, s]
+  double time = std::max(least, 2.0 * kLeastBrake);
+  for_each_axis(limits, moves, [&](const Axis& axis) {
+    time = std::max(time, (b.c - a.c).segment(axis.first, axis.size).norm() / axis.speed);
+  });
+  for (; time < kLongest; time *= kLonger)
+    for (const double rise : {0.2, 0.1, 0.35, 0.5})
+      for (const double fall : {0.2, 0.1, 0.35, 0.5})
+        if (const Glide glide{time, rise * time, fall * time}; glides(limits, moves, a, b, glide)) return glide;
+  return {.time = kInfinity};
+}
+
+void add_glide(Moves moves, const Glide& glide, const MotionState& a, const MotionState& b, Path& path) noexcept {
+  const Eigen::Index first = moves == Moves::kBase ? 0 : 3;
+  const Eigen::Index size = moves == Moves::kBase ? 3 : a.c.size() - 3;
+  const auto add = [&](double start, const Trapezoid& motion, const WholeConfiguration& change) {
+    PathPart part{start, motion, WholeConfiguration::Zero(a.c.size())};
+    part.change.segment(first, size) = change.segment(first, size);
+    path.add(part);
+  };
+  const WholeConfiguration before = 0.5 * glide.rise * a.v, after = 0.5 * glide.fall * b.v;
+  if (a.moves()) add(0.0, {glide.rise, 0.0, glide.rise}, before);
+  add(0.0, {glide.time, glide.rise, glide.fall}, b.c - a.c - before - after);
+  if (b.moves()) add(glide.time - glide.fall, {glide.fall, glide.fall, 0.0}, after);
+  path.duration = std::max(path.duration, glide.time);
+}
+
 }  // namespace moma

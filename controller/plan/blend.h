@@ -27,4 +27,22 @@ Blend quickest_blend(const MotionLimits& limits, Moves moves, const MotionState&
 void add_blend(Moves moves, const Blend& blend, double time, const MotionState& start, const WholeConfiguration& end,
                Path& path) noexcept;
 
+/// A motion of base or arm from one velocity to another: the velocity goes evenly to that of the middle, and evenly
+/// from there to the last one.
+struct Glide {
+  double time = 0.0;  ///< [s]
+  double rise = 0.0;  ///< time of going over to the middle velocity [s]
+  double fall = 0.0;  ///< and from it to the last one [s]
+};
+
+/// Returns a quick one that takes at least `least` seconds, over a few times of rising and falling: with x = b.c - a.c,
+/// the middle velocity is w = (x - rise/2 a.v - fall/2 b.v)/(time - (rise + fall)/2), and |w| keeps the speeds, |w -
+/// a.v|
+/// <= rise times and |w - b.v| <= fall times the accelerations. The time is infinite if there is none.
+Glide quick_glide(const MotionLimits& limits, Moves moves, const MotionState& a, const MotionState& b,
+                  double least) noexcept;
+
+/// Adds it to a path with room for three motions.
+void add_glide(Moves moves, const Glide& glide, const MotionState& a, const MotionState& b, Path& path) noexcept;
+
 }  // namespace moma

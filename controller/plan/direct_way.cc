@@ -6,14 +6,27 @@
 namespace moma {
 namespace {
 
-constexpr double kLeastNear = 0.9;      // part of the way to the best end at which nearer tries begin, at most
-constexpr double kDriveOfACheck = 0.8;  // a drive of so long is simulated in the time of a check [s]
-// Checks are at even times, and the speed between them is not even: they are so much closer.
-constexpr double kUneven = 1.5;
+constexpr double kLeastNear = 0.9;  // part of the way to the best end at which nearer tries begin, at most
 
 ControllerParams with_share(ControllerParams params) {
   params.plan.speed = params.plan.acceleration = params.plan.direct_way.share;
   return params;
+}
+
+// The end first, then the middle, the quarters ... Checks are at even times, and the speed between them is not even:
+// they are so much closer. `longest`: approximate travel of the robot's farthest point [m].
+bool is_free(FreeSpace& space, const Path& path, double longest, double check_step) noexcept {
+  constexpr double kUneven = 1.5;
+  WholeConfiguration c;
+  int parts = 1;
+  while (parts * check_step < kUneven * longest && parts < FreeSpace::kMostParts) parts *= 2;
+  for (int stride = parts; stride >= 1; stride /= 2) {
+    for (int k = stride; k <= parts; k += 2 * stride) {
+      path.at(path.duration * k / parts, c);
+      if (!space.free(c)) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace
@@ -24,6 +37,7 @@ DirectWay::DirectWay(std::shared_ptr<const RobotModel> model, const ControllerPa
       space_(model, limits_),
       ik_(model, params.plan.ik, limits_),
       goal_clearance_(*model),
+      passing_(limits_, params_, space_, ik_),
       start_{WholeConfiguration::Zero(3 + model->num_joints()), WholeConfiguration::Zero(3 + model->num_joints())} {
   ends_.reserve(static_cast<std::size_t>(params_.direct));
 }
@@ -34,19 +48,61 @@ void DirectWay::set_objects(std::span<const ObjectShape> objects) {
   stage_ = Stage::kDone;
 }
 
-void DirectWay::begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept {
-  start_ = start;
-  X_WG_ = X_WG;
+// Takes objects and clearances. False if there is no direct way: start or goal are too near to an object.
+bool DirectWay::clear(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept {
   space_.set_states(objects);
   space_.set_clearances({params_.clearance, params_.self, params_.self}, start.c);
+  close_goal_ = space_.least_at_goal(goal_clearance_, start.c, X_WG, params_.clearance) < params_.clearance;
+  return !close_goal_ && !(start.moves() && space_.clearances().object < params_.clearance);
+}
+
+void DirectWay::begin_tries(const MotionState& start, const Isometry& X_WG) noexcept {
+  start_ = start;
+  X_WG_ = X_WG;
   ends_.clear();
   best_.time = kInfinity;
   draws_ = {};
   tries_ = 0;
   next_ = 0;
-  close_goal_ = space_.least_at_goal(goal_clearance_, start.c, X_WG, params_.clearance) < params_.clearance;
-  const bool close_start = start.moves() && space_.clearances().object < params_.clearance;
-  stage_ = close_goal_ || close_start ? Stage::kDone : Stage::kTries;
+  stage_ = Stage::kTries;
+}
+
+void DirectWay::end_tries() noexcept {
+  stage_ = passes_ ? Stage::kPasses : Stage::kDone;
+  if (!passes_ || !(best_.time < kInfinity)) return;
+  const double time = first_path_.duration + best_path_.duration;
+  if (!(time < std::min(within_, pass_time_)) || !first_path_.append(0.0, best_path_, X_WN_)) return;
+  pass_time_ = time;
+  pass_path_ = first_path_;
+}
+
+void DirectWay::begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept {
+  passes_ = false;
+  begin_tries(start, X_WG);
+  if (!clear(start, X_WG, objects)) stage_ = Stage::kDone;
+}
+
+void DirectWay::begin_passing(const MotionState& start, const Isometry& X_WG, const Isometry& X_WN,
+                              const WholeConfiguration& pass, double within,
+                              std::span<const ObjectState> objects) noexcept {
+  passes_ = true;
+  pass_time_ = kInfinity;
+  within_ = within;
+  X_WN_ = X_WN;
+  pass_next_ = 0;
+  tries_ = 0;
+  passing_.begin(start, X_WG, X_WN, pass);
+  stage_ = clear(start, X_WN, objects) && clear(start, X_WG, objects) ? Stage::kPassTries : Stage::kDone;
+}
+
+// Takes the next way to the goal, and begins to search one on from there if it is free.
+void DirectWay::work_passes() noexcept {
+  if (pass_next_ == passing_.count() || pass_next_ == static_cast<std::size_t>(params_.direct_way.pass_ways)) {
+    stage_ = Stage::kDone;
+    return;
+  }
+  const MotionState& pass = passing_.lay(pass_next_++, first_path_, longest_);
+  if (is_free(space_, first_path_, longest_, params_.check_step)) begin_tries(pass, X_WN_);
 }
 
 bool DirectWay::advance(long& budget) noexcept {
@@ -61,6 +117,13 @@ bool DirectWay::advance(long& budget) noexcept {
 void DirectWay::work() noexcept {
   End end;
   switch (stage_) {
+    case Stage::kPassTries:
+      passing_.work();
+      if (++tries_ >= params_.direct_way.pass_tries) stage_ = Stage::kPasses;
+      return;
+    case Stage::kPasses:
+      work_passes();
+      return;
     case Stage::kTries:
       if (tries_++ == params_.direct) {
         stage_ = Stage::kChecks;
@@ -74,7 +137,7 @@ void DirectWay::work() noexcept {
       return;
     case Stage::kChecks:
       if (next_ == ends_.size()) {
-        stage_ = Stage::kDone;
+        end_tries();
       } else if (take(ends_[next_++])) {
         tries_ = 0;
         stage_ = Stage::kNearer;
@@ -82,7 +145,7 @@ void DirectWay::work() noexcept {
       return;
     case Stage::kNearer:
       if (tries_++ == params_.direct_way.nearer_tries) {
-        stage_ = Stage::kDone;
+        end_tries();
         return;
       }
       end.c = start_.c + draws_.uniform(params_.direct_way.nearest, kLeastNear) * (best_.c - start_.c);
@@ -141,14 +204,14 @@ bool DirectWay::drive_to(const End& end) noexcept {
   const double cs = std::cos(start_.c[2]), sn = std::sin(start_.c[2]);
   const Vector2 speeds(cs * start_.v[0] + sn * start_.v[1], start_.v[2]);
   const bool reached = drive_.plan(limits_, start_.c.head<3>(), speeds, end.point);
-  space_.charge(static_cast<long>(drive_.time() / kDriveOfACheck));
+  space_.charge(static_cast<long>(drive_.time() / SteeredDrive::kOfACheck));
   return reached;
 }
 
 // Makes `end` the best one if its way is free.
 bool DirectWay::take(const End& end) noexcept {
   lay(end);
-  if (!free()) return false;
+  if (!is_free(space_, path_, longest_, params_.check_step)) return false;
   best_ = end;
   best_path_ = path_;
   return true;
@@ -193,19 +256,6 @@ void DirectWay::lay_blends(const End& end) noexcept {
                                        : start_.v.tail(limits_.num_joints()).cwiseAbs().dot(limits_.lever));
   }
   if (steers(end)) drive_.add_to(path_);
-}
-
-// The end first, then the middle, the quarters ...
-bool DirectWay::free() noexcept {
-  int parts = 1;
-  while (parts * params_.check_step < kUneven * longest_ && parts < FreeSpace::kMostParts) parts *= 2;
-  for (int stride = parts; stride >= 1; stride /= 2) {
-    for (int k = stride; k <= parts; k += 2 * stride) {
-      path_.at(path_.duration * k / parts, point_);
-      if (!space_.free(point_)) return false;
-    }
-  }
-  return true;
 }
 
 }  // namespace moma

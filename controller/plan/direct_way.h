@@ -6,7 +6,7 @@
 
 #include "controller/plan/blend.h"
 #include "controller/plan/free_space.h"
-#include "controller/plan/path.h"
+#include "controller/plan/passing_way.h"
 #include "controller/plan/steered_drive.h"
 #include "controller/plan/whole_body_ik.h"
 
@@ -27,12 +27,17 @@ class DirectWay {
 
   void set_objects(std::span<const ObjectShape> objects);
   void begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
+  /// Begins a search for a way through the goal at X_WG, past the configuration `pass` or near it, to the goal at X_WN,
+  /// in less than `within` seconds. The most promising ways to the goal (passing_way.h) go on as direct ways from
+  /// there.
+  void begin_passing(const MotionState& start, const Isometry& X_WG, const Isometry& X_WN,
+                     const WholeConfiguration& pass, double within, std::span<const ObjectState> objects) noexcept;
   /// Works until `budget` checks are spent or the search is complete; subtracts them. True if work is left.
   bool advance(long& budget) noexcept;
 
   /// True if a free way is known; path() is the quickest so far.
-  bool found() const noexcept { return best_.time < kInfinity; }
-  const Path& path() const noexcept { return best_path_; }
+  bool found() const noexcept { return passes_ ? pass_time_ < kInfinity : best_.time < kInfinity; }
+  const Path& path() const noexcept { return passes_ ? pass_path_ : best_path_; }
   /// True if the hand is nearer to an object at the goal than `clearance`: such a goal has no direct way.
   bool close_goal() const noexcept { return close_goal_; }
   const MotionLimits& limits() const noexcept { return limits_; }
@@ -44,9 +49,13 @@ class DirectWay {
     bool stays = false;               // the base does not move, or only comes to rest
     double time = kInfinity;          // time of the way [s]
   };
-  enum class Stage { kTries, kChecks, kNearer, kDone };
+  enum class Stage { kPassTries, kPasses, kTries, kChecks, kNearer, kDone };
 
+  bool clear(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
   void work() noexcept;
+  void work_passes() noexcept;
+  void begin_tries(const MotionState& start, const Isometry& X_WG) noexcept;
+  void end_tries() noexcept;
   void seed(End& end) noexcept;
   bool make(End& end) noexcept;
   bool drive_to(const End& end) noexcept;
@@ -57,7 +66,6 @@ class DirectWay {
   void lay(const End& end) noexcept;
   void lay_from_rest(const End& end) noexcept;
   void lay_blends(const End& end) noexcept;
-  bool free() noexcept;
 
   MotionLimits limits_;
   PlanParams params_;
@@ -65,6 +73,7 @@ class DirectWay {
   WholeBodyIk ik_;
   GoalClearance goal_clearance_;
   SteeredDrive drive_;
+  PassingWay passing_;
 
   Stage stage_ = Stage::kDone;
   bool close_goal_ = false;
@@ -76,9 +85,13 @@ class DirectWay {
   std::size_t next_ = 0;   // the next one of them to be checked
   End best_;
   Edge edge_;
-  WholeConfiguration point_;
   Path path_, best_path_;
-  double longest_ = 0.0;  // approximate travel of the robot's farthest point on path_ [m]
+  bool passes_ = false;
+  std::size_t pass_next_ = 0;  // the next one of the ways to the goal
+  double pass_time_ = kInfinity, within_ = kInfinity;
+  Isometry X_WN_ = Isometry::Identity();
+  Path first_path_, pass_path_;  // to the goal, and the best one through it
+  double longest_ = 0.0;         // approximate travel of the robot's farthest point on path_ [m]
 };
 
 }  // namespace moma

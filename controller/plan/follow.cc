@@ -21,6 +21,14 @@ MotionState PlanarShift::of(const MotionState& motion) const noexcept {
   return out;
 }
 
+WholeConfiguration PlanarShift::turned_back(const WholeConfiguration& change) const noexcept {
+  WholeConfiguration out = change;
+  const double cs = std::cos(turn), sn = std::sin(turn);
+  out[0] = cs * change[0] + sn * change[1];
+  out[1] = cs * change[1] - sn * change[0];
+  return out;
+}
+
 Isometry PlanarShift::back(const Isometry& X) const noexcept {
   Isometry shift = Isometry::Identity();
   shift.translation().head<2>() = move;

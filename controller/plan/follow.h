@@ -12,6 +12,8 @@ struct PlanarShift {
 
   WholeConfiguration of(const WholeConfiguration& c) const noexcept;
   MotionState of(const MotionState& motion) const noexcept;
+  /// Returns a change of a configuration in the path's axes.
+  WholeConfiguration turned_back(const WholeConfiguration& change) const noexcept;
   /// Returns the pose that the shift moves to X.
   Isometry back(const Isometry& X) const noexcept;
 };

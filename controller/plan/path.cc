@@ -98,6 +98,25 @@ bool Path::add(const PathPart& part) noexcept {
   return true;
 }
 
+bool Path::append(double t, const Path& on, const Isometry& X_WN_then) noexcept {
+  const auto over = [t](const PathPart& part) { return part.end() <= t; };
+  const std::span<PathPart> parts = std::span(motions).first(static_cast<std::size_t>(count));
+  const auto ended = static_cast<int>(std::count_if(parts.begin(), parts.end(), over));
+  if (count - ended + on.count > kMostMotions) return false;
+  for (const PathPart& part : parts)
+    if (over(part)) origin += part.change;
+  count = static_cast<int>(std::remove_if(parts.begin(), parts.end(), over) - parts.begin());
+  for (PathPart part : std::span(on.motions).first(static_cast<std::size_t>(on.count))) {
+    part.start += duration;
+    add(part);
+  }
+  pass = duration;
+  X_WN = X_WN_then;
+  duration += on.duration;
+  clearance = std::min(clearance, on.clearance);
+  return true;
+}
+
 void Path::begin_earlier(double time) noexcept {
   for (PathPart& part : std::span(motions).first(static_cast<std::size_t>(count))) {
     Trapezoid& motion = part.motion;
@@ -111,12 +130,14 @@ void Path::begin_earlier(double time) noexcept {
     origin -= before;
   }
   duration += time;
+  pass += time;
 }
 
 bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double overlap, const Braking& braking,
               Path& path) noexcept {
   path.count = 0;
   path.duration = 0.0;
+  path.pass = kInfinity;
   if (edges.empty()) return false;
   path.origin = edges.front().a;
   const Eigen::Index joints = limits.num_joints();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <span>
@@ -17,11 +18,11 @@ struct PathPart {
   double end() const noexcept { return start + motion.time; }
 };
 
-/// A timed path of base and arm to rest: overlapping motions in a fixed size. Those of a robot in motion begin at its
-/// velocity: a motion without a rise slows it down while others begin. Its axes are the world's at the time of
-/// planning, when the goal was at X_WG.
+/// A timed path of base and arm to rest, at its goal or at the next one: overlapping motions in a fixed size. Those of
+/// a robot in motion begin at its velocity: a motion without a rise slows it down while others begin. Its axes are the
+/// world's at the time of planning, when the goal was at X_WG.
 struct Path {
-  static constexpr int kMostMotions = 44;
+  static constexpr int kMostMotions = 88;
 
   WholeConfiguration origin;
   std::array<PathPart, kMostMotions> motions;
@@ -31,13 +32,22 @@ struct Path {
   /// Smaller distance at the goal; it grows with the distance from the goal (goal_clearance.h) [m].
   double kept_at_goal = std::numeric_limits<double>::infinity();
   Isometry X_WG = Isometry::Identity();
+  double pass = kInfinity;               ///< time at which E passes its goal; infinite: the path ends there [s]
+  Isometry X_WN = Isometry::Identity();  ///< then the goal at which it ends: the one after that
 
+  bool passes() const noexcept { return pass < kInfinity; }
+  /// Time at which E is at the goal [s].
+  double arrival() const noexcept { return std::min(pass, duration); }
   /// Computes the configuration at time t, clamped to the path's ends. The path must have motions.
   void at(double t, WholeConfiguration& c) const noexcept;
   /// Computes the velocity at time t from the configurations at t - h and t + h.
   void velocity(double t, double h, WholeConfiguration& v) const noexcept;
   /// Adds a motion. False if the path cannot hold it.
   bool add(const PathPart& part) noexcept;
+  /// Goes on along another path, which begins in its last configuration, to the goal at X_WN: the path passes its own
+  /// goal there. Motions that have ended by time `t` become part of the origin. False, and nothing changes, if it
+  /// cannot hold them all.
+  bool append(double t, const Path& on, const Isometry& X_WN_then) noexcept;
   /// Lets the path begin `time` seconds earlier, at the velocity with which it begins.
   void begin_earlier(double time) noexcept;
 };

@@ -15,6 +15,9 @@ struct DirectWayParams {
   int stay = 3;
   int nearer_tries = 20;
   double nearest = 0.3;
+  int pass_tries = 60, pass_ways = 4;
+  double pass_linear = 0.8, pass_angular = 2.2;
+  double pass_reach = 0.4;
 };
 
 constexpr void describe(auto& v, Of<DirectWayParams>) {
@@ -27,6 +30,13 @@ constexpr void describe(auto& v, Of<DirectWayParams>) {
   v.member("stay", &T::stay, in_range({1.0, 1e4}, "", "each try of this number leaves a differential base in place"));
   v.member("nearer_tries", &T::nearer_tries, in_range({0.0, 1e4}, "", "tries nearer to the start than the best end"));
   v.member("nearest", &T::nearest, in_range({0.0, 0.9}, "1", "share of the way to the best end at which they begin"));
+  v.member("pass_tries", &T::pass_tries,
+           in_range({0.0, 1e4}, "", "tries of a way to a goal that is passed; 0: none is passed in motion"));
+  v.member("pass_ways", &T::pass_ways, in_range({0.0, 1e4}, "", "the best of these, from which a way on is searched"));
+  v.member("pass_linear", &T::pass_linear, non_negative("m/s", "largest speed of the hand at a goal that it passes"));
+  v.member("pass_angular", &T::pass_angular, non_negative("rad/s", "the same of its turning"));
+  v.member("pass_reach", &T::pass_reach,
+           positive("m", "largest distance at which a differential base passes its place at such a goal"));
 }
 
 /// Inverse kinematics of base and arm (plan/whole_body_ik.h), and the cost of a goal configuration.
@@ -131,6 +141,7 @@ struct DecisionParams {
   double way_ahead = 0.12, way_gain = 0.05;
   double arrived = 0.005, arrived_close = 0.0005;
   double tolerance = 0.7;
+  double missed = 0.3, pass_ahead = 0.3;
   double progress = 0.05;
   double pushed = 0.3;
   double meet = 2.0, wait = 0.5;
@@ -158,6 +169,10 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("arrived_close", &T::arrived_close, non_negative("m", "the same where the goal is close to an object"));
   v.member("tolerance", &T::tolerance,
            in_range({0.0, 1.0, true}, "1", "share of the goal's tolerances within which a prediction arrives"));
+  v.member("pass_ahead", &T::pass_ahead,
+           non_negative("s", "a way through a goal begins where the path has the robot after this time"));
+  v.member("missed", &T::missed,
+           non_negative("s", "time after the passing of a goal at which it counts as missed, unless the next is told"));
   v.member("progress", &T::progress, non_negative("s", "advance of the path's clock that counts as progress"));
   v.member("pushed", &T::pushed, non_negative("m", "lag among moving objects at which a path is given up"));
   v.member("meet", &T::meet, positive("s", "time before meeting a moving object at which the path's clock slows down"));

@@ -22,15 +22,15 @@ double stopping(double room, double deceleration) noexcept { return stoppable_sp
 
 }  // namespace
 
-bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const Vector2& now,
-                        const Vector2& point) noexcept {
+bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const Vector2& now, const Vector2& point,
+                        const Passing* passing) noexcept {
   time_ = spacing_ = way_ = turned_ = 0.0;
   end_ = from;
   std::array<Vector2, kMostSteps + 1> speeds;  // (v, omega)
   speeds[0] = now;
   Vector3 at = from;
   const Vector2 first = point - from.head<2>();
-  bool there = first.norm() < kThere;
+  bool there = passing == nullptr && first.norm() < kThere;
   const double direction = std::cos(from.z()) * first.x() + std::sin(from.z()) * first.y() < 0.0 ? -1.0 : 1.0;
   double v = direction * now[0], omega = now[1];  // v along the driving direction
   int steps = 0;
@@ -41,14 +41,17 @@ bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const V
     }
     const Vector2 to = point - at.head<2>();
     const double distance = to.norm();
+    if (passing != nullptr && (distance < passing->reach || steps * kStep >= passing->until)) break;
     const Vector2 heading = direction * Vector2(std::cos(at.z()), std::sin(at.z()));
     const double along = heading.dot(to), across = heading.x() * to.y() - heading.y() * to.x();
-    there = there || distance < kThere || (distance < kAhead && along <= 0.0);
+    there = there || (passing == nullptr && (distance < kThere || (distance < kAhead && along <= 0.0)));
     double wanted = 0.0, turn = 0.0;
     if (!there) {
       const double off = std::atan2(across, along);
       wanted = std::max(0.0, along / distance) *
-               std::min(limits.linear, std::max(kCrawl, stopping(distance, limits.linear_acceleration)));
+               (passing != nullptr
+                    ? std::min(limits.linear, passing->speed)
+                    : std::min(limits.linear, std::max(kCrawl, stopping(distance, limits.linear_acceleration))));
       if (distance > kAhead)
         turn = std::copysign(std::min(limits.angular, stopping(std::abs(off), limits.angular_acceleration)), off);
     }
@@ -79,7 +82,10 @@ bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const V
     way_ += spacing_ * std::abs(u[0]);
     turned_ += spacing_ * std::abs(u[1]);
   }
-  end_.z() += 0.5 * spacing_ * before;
+  const Vector2& last = speeds[static_cast<std::size_t>(steps)];
+  end_.z() += 0.5 * spacing_ * (before + last[1]);
+  speed_.back() << last[0] * std::cos(end_.z()), last[0] * std::sin(end_.z()), last[1];
+  end_.head<2>() += 0.5 * spacing_ * speed_.back().head<2>();
   return true;
 }
 
@@ -93,6 +99,7 @@ void SteeredDrive::add_to(Path& path) const noexcept {
   if (!speed_[0].isZero(0.0)) add(0.0, {spacing_, 0.0, spacing_}, 0.5 * spacing_ * speed_[0]);
   for (int i = 1; i <= kNodes; ++i)
     add((i - 1) * spacing_, {2.0 * spacing_, spacing_, spacing_}, spacing_ * speed_[static_cast<std::size_t>(i)]);
+  if (!speed_.back().isZero(0.0)) add(time_ - spacing_, {spacing_, spacing_, 0.0}, 0.5 * spacing_ * speed_.back());
   path.duration = std::max(path.duration, time_);
 }
 

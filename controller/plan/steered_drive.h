@@ -16,14 +16,23 @@ namespace moma {
 /// makes overlapping triangles of its velocities, so that they are linear between even times.
 class SteeredDrive {
  public:
-  /// Largest number of path parts of a drive.
+  /// Largest number of path parts of a drive to rest from rest.
   static constexpr int kNodes = 38;
   static constexpr double kMostTime = 10.0;  ///< [s]
+  static constexpr double kOfACheck = 0.8;   ///< a drive of so long is simulated in the time of a check [s]
   static constexpr double kThere = 0.003;    ///< distance at which a point is reached [m]
 
-  /// Plans from (x, y, phi), at the speeds (v, omega), to `point` [m]. False if that takes longer than kMostTime: an
-  /// arc never reaches some points. Cost: time/20 ms steps of simulation, about 0.1 us each. Does not allocate.
-  bool plan(const MotionLimits& limits, const Vector3& from, const Vector2& speeds, const Vector2& point) noexcept;
+  /// A point that is not stopped at: the drive, at `speed` at most, ends in motion nearer than `reach`, or at the time
+  /// `until`.
+  struct Passing {
+    double reach, speed, until;  // [m, m/s, s]
+  };
+
+  /// Plans from (x, y, phi), at the speeds (v, omega), to `point` [m], or past it. False if that takes longer than
+  /// kMostTime: an arc never reaches some points. Cost: time/20 ms steps of simulation, about 0.1 us each. Does not
+  /// allocate.
+  bool plan(const MotionLimits& limits, const Vector3& from, const Vector2& speeds, const Vector2& point,
+            const Passing* passing = nullptr) noexcept;
 
   double time() const noexcept { return time_; }
   /// End of the parts of add_to(), at most a few centimetres from the point.
@@ -35,7 +44,7 @@ class SteeredDrive {
   void add_to(Path& path) const noexcept;
 
  private:
-  std::array<Vector3, kNodes + 1> speed_;  // (vx, vy, omega) in W at times i spacing_
+  std::array<Vector3, kNodes + 2> speed_;  // (vx, vy, omega) in W at times i spacing_
   double spacing_ = 0.0, time_ = 0.0, way_ = 0.0, turned_ = 0.0;
   Vector3 end_ = Vector3::Zero();
 };

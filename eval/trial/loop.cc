@@ -19,13 +19,14 @@ namespace {
 /// Fills `observation` with the true state at time t, the only way of information to a controller;
 /// world/sensing/sensing.h then disturbs it. Keeps sizes of `observation` that fit, so that only the first step
 /// allocates.
-void observe(const PlantState& truth, const std::vector<ObjectState>& objects, const GoalState& goal, double t,
-             Observation& observation) {
+void observe(const PlantState& truth, const std::vector<ObjectState>& objects, const GoalState& goal,
+             const std::optional<GoalState>& next, double t, Observation& observation) {
   observation.time = t;
   observation.base = truth.base;
   observation.q = truth.q;
   observation.qdot = truth.qdot;
   observation.goal = goal;
+  observation.next = next;
   observation.objects = objects;
 }
 
@@ -98,9 +99,17 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
 void TrialLoop::take_goal() {
   const WorldGoal& goal = goal_of(world_, goal_index_);
   goal_ = goal_state(world_, time(k_), goal_index_);
+  look_at_next();
   goal_moves_ = !at_rest(goal.motion, time(k_));
   r_.moving_goal = r_.moving_goal || goal_moves_;
   dwell_ = rule_of(spec_, goal);
+}
+
+void TrialLoop::look_at_next() {
+  if (!is_last_goal())
+    next_ = goal_state(world_, time(k_), goal_index_ + 1);
+  else
+    next_.reset();
 }
 
 /// Notes the present goal of several, and goes on to the next one.
@@ -118,7 +127,7 @@ void TrialLoop::goal_reached() {
   take_goal();
 }
 
-void TrialLoop::truth(Observation& out) const { observe(plant_.state(), objects_, goal_, time(k_), out); }
+void TrialLoop::truth(Observation& out) const { observe(plant_.state(), objects_, goal_, next_, time(k_), out); }
 
 bool TrialLoop::sense() {
   while (true) {
@@ -237,6 +246,7 @@ bool TrialLoop::measure_state() {
   if (!state.base.allFinite() || !state.q.allFinite() || !state.qdot.allFinite()) return false;
   if (objects_move_ && k_ > 0) object_states(world_, time(k_), objects_);
   if (goal_moves_ && k_ > 0) goal_ = goal_state(world_, time(k_), goal_index_);
+  if (next_ && k_ > 0) look_at_next();
   kinematics_.update(state.base, state.q);
   const Isometry& X_WE = kinematics_.X_WE();
   const Isometry X_WG = nearest_pose(goal_.X_WG, goal_.free, X_WE);

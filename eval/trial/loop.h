@@ -74,6 +74,7 @@ class TrialLoop {
   bool all_at_rest() const;
   bool is_last_goal() const { return goal_index_ == world_.further.size(); }
   void take_goal();
+  void look_at_next();
   void goal_reached();
   std::string joint_over_limit() const;
   std::string situation();
@@ -103,6 +104,7 @@ class TrialLoop {
   StepResult result_;
   std::vector<ObjectState> objects_;
   GoalState goal_;
+  std::optional<GoalState> next_;  // the goal after it
   std::size_t goal_index_ = 0;
   Vector6 error_ = Vector6::Zero();
   bool objects_move_ = false;

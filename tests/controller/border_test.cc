@@ -37,13 +37,13 @@ Observation sized(int joints, int velocities, std::size_t objects) {
 // Distinct numbers come out where the protocol's page says, and go back to the same numbers.
 TEST(Border, NumbersOfAnObservationAreInTheOrderOfTheProtocol) {
   Observation o = sized(3, 5, 2);
-  ASSERT_EQ(count_numbers(o), 29u + 3 + 5 + 2 * 38);
+  ASSERT_EQ(count_numbers(o), 55u + 3 + 5 + 2 * 38);
   std::vector<double> numbers(count_numbers(o));
   std::iota(numbers.begin(), numbers.end(), 1.0);
-  const std::size_t first = 37, second = first + 38;
-  numbers[first + 18] = 0.0;                 // not visible
-  numbers[second + 18] = numbers[22] = 1.0;  // a truth
-  numbers[first + 19] = 0.0;                 // no covariance
+  const std::size_t first = 63, second = first + 38;
+  numbers[first + 18] = 0.0;                                             // not visible
+  numbers[second + 18] = numbers[22] = numbers[29] = numbers[48] = 1.0;  // a truth
+  numbers[first + 19] = 0.0;                                             // no covariance
   numbers[second + 19] = 1.0;
   EXPECT_EQ(unpack(numbers.data(), o), numbers.data() + numbers.size());
   EXPECT_EQ(o.time, 1.0);
@@ -53,9 +53,12 @@ TEST(Border, NumbersOfAnObservationAreInTheOrderOfTheProtocol) {
   EXPECT_EQ(o.goal.V_WG_W[5], 22.0);
   EXPECT_TRUE(o.goal.stop);
   EXPECT_EQ(o.goal.free[5], 29.0);
-  EXPECT_EQ(o.q[0], 30.0);
-  EXPECT_EQ(o.qdot[4], 37.0);
-  EXPECT_EQ(o.objects[0].X_WO.translation()[0], 38.0);
+  ASSERT_TRUE(o.next.has_value());
+  EXPECT_EQ(o.next->X_WG.translation(), Vector3(31, 32, 33));
+  EXPECT_EQ(o.next->free[5], 55.0);
+  EXPECT_EQ(o.q[0], 56.0);
+  EXPECT_EQ(o.qdot[4], 63.0);
+  EXPECT_EQ(o.objects[0].X_WO.translation()[0], 64.0);
   EXPECT_FALSE(o.objects[0].visible);
   EXPECT_FALSE(o.objects[0].covariance.has_value());
   EXPECT_TRUE(o.objects[1].visible);
@@ -203,7 +206,7 @@ TEST(BorderDocumentation, StructsOfCNameTheNumbersThatThereAre) {
 // A layout says where each member stands and what it is unless told otherwise.
 TEST(Border, LayoutsNameEveryNumberOnce) {
   const Json layout = config::layout_of<Observation>({7, 9});
-  std::vector<int> named(29 + 7 + 9 + 38, 0);
+  std::vector<int> named(29 + 26 + 7 + 9 + 38, 0);
   const auto mark = [&](const auto& self, const Json& members, std::size_t start) -> void {
     for (const Json& member : members) {
       const std::size_t at = start + member["at"].get<std::size_t>();

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "tests/controller/plan_scenes.h"
 #include "tests/support/no_alloc.h"
@@ -162,7 +163,10 @@ class DirectWayOf : public testing::TestWithParam<std::string> {
   bool find(const Scene& scene, long per_step = kAll) {
     direct.set_objects(scene.shapes);
     const NoAlloc guard;
-    direct.begin({scene.start, velocity}, scene.X_WG, scene.states);
+    if (next)
+      direct.begin_passing({scene.start, velocity}, scene.X_WG, *next, pass, kInfinity, scene.states);
+    else
+      direct.begin({scene.start, velocity}, scene.X_WG, scene.states);
     long budget = per_step;
     while (direct.advance(budget)) budget = per_step;
     EXPECT_EQ(guard.count(), 0);
@@ -172,7 +176,9 @@ class DirectWayOf : public testing::TestWithParam<std::string> {
   std::shared_ptr<const RobotModel> model;
   ControllerParams params;
   DirectWay direct;
-  WholeConfiguration velocity;  // of the start
+  WholeConfiguration velocity;   // of the start
+  std::optional<Isometry> next;  // goal after the scene's
+  WholeConfiguration pass;       // configuration at the scene's goal
 };
 
 std::vector<std::string> direct_robots() {
@@ -298,6 +304,78 @@ TEST_P(DirectWayOf, BeginsAtTheVelocityThatTheRobotHas) {
   EXPECT_GE(found, 3) << "too few to say anything";
   if (!model->mobile()) {
     EXPECT_LT(moving, resting) << "a robot that moves that way already is there sooner";
+  }
+}
+
+// A goal that need not be stopped at: the hand is there in passing, and the robot ends at the next goal, sooner than by
+// one way after the other.
+TEST_P(DirectWayOf, PassesAGoalOnItsWayToTheNextOne) {
+  const MotionLimits& limits = direct.limits();
+  const int joints = model->num_joints();
+  Kinematics kinematics(model);
+  int found = 0;
+  double passing = 0.0, stopping = 0.0, fastest = 0.0;
+  const auto errors = [&](const Path& path, double t, const Isometry& X) {
+    WholeConfiguration c;
+    path.at(t, c);
+    kinematics.update(c.head<3>(), c.tail(joints));
+    return pose_error(kinematics.X_WE(), X);
+  };
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Scene scene = make_scene(model, seed, 3);
+    const Scene other = make_scene(model, seed + 100, 0);
+    next.reset();
+    if (!find(scene)) continue;
+    const Path there = direct.path();
+    ASSERT_FALSE(there.passes());
+    next = other.X_WG;
+    there.at(there.duration, pass);
+    if (!find(scene)) continue;
+    ASSERT_TRUE(direct.path().passes());
+    const Path path = direct.path();
+    for (const double t : {path.pass, path.duration}) {
+      const Vector6 e = errors(path, t, t == path.pass ? scene.X_WG : other.X_WG);
+      EXPECT_LT(e.tail<3>().norm(), 2e-3) << "seed " << seed << " at " << t;
+      EXPECT_LT(e.head<3>().norm(), 4e-3) << "seed " << seed << " at " << t;
+    }
+    const double h = 0.01;
+    const Vector6 e = errors(path, path.pass - h, scene.X_WG) - errors(path, path.pass + h, scene.X_WG);
+    EXPECT_LE(e.tail<3>().norm() / (2.0 * h), params.plan.direct_way.pass_linear + 0.1) << "seed " << seed;
+    EXPECT_LE(e.head<3>().norm() / (2.0 * h), params.plan.direct_way.pass_angular + 0.2) << "seed " << seed;
+    WholeConfiguration v;
+    path.velocity(path.pass, h, v);
+    if (model->mobile()) fastest = std::max(fastest, v.head<2>().norm());
+
+    double least = 1e9;
+    WholeConfiguration c;
+    for (double t = 0.0; t < path.duration; t += 0.01) {
+      path.at(t, c);
+      kinematics.update(c.head<3>(), c.tail(joints));
+      least = std::min(least, object_clearance(*model, kinematics, scene));
+    }
+    EXPECT_GT(least, path.clearance - 0.01) << "seed " << seed;
+    const Extremes most = extremes(path);
+    constexpr double kMore = 1.0 + 1e-4;
+    for (int i = 0; i < joints; ++i) {
+      EXPECT_LE(most.speed[3 + i], kMore * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
+      EXPECT_LE(most.acceleration[3 + i], kMore * limits.joint_acceleration[i]) << "joint " << i << ", seed " << seed;
+    }
+    if (model->mobile()) {
+      EXPECT_LE(most.speed[2], kMore * limits.angular);
+      EXPECT_LE(most.acceleration[2], kMore * limits.angular_acceleration);
+    }
+    scene.start = pass;
+    scene.X_WG = other.X_WG;
+    next.reset();
+    if (!find(scene)) continue;
+    ++found;
+    passing += path.duration;
+    stopping += there.duration + direct.path().duration;
+  }
+  EXPECT_GE(found, 3) << "too few to say anything";
+  EXPECT_LT(passing, stopping);
+  if (model->mobile()) {
+    EXPECT_GT(fastest, 0.5 * limits.linear) << "no base drives on";
   }
 }
 

@@ -29,6 +29,11 @@ TEST(TrialGoals, TheLastOfThemIsTheSuccess) {
     if (observation.time < 2.0 - 1e-9) result.command[0] = 0.5;
     const double x = observation.goal.X_WG.translation().x();
     EXPECT_EQ(observation.goal.stop, x > 1.7) << observation.time;
+    ASSERT_EQ(observation.next.has_value(), x < 1.7) << observation.time;
+    if (observation.next) {
+      EXPECT_EQ(observation.next->X_WG.translation().x(), 0.9 + (x < 1.4 ? 0.6 : 1.0)) << observation.time;
+      EXPECT_EQ(observation.next->stop, x > 1.4);
+    }
     if (seen.empty() || seen.back() != x) seen.push_back(x);
   };
   World world = goals_ahead({0.4, 0.6, 1.0});

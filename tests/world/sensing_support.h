@@ -73,6 +73,8 @@ class SensingRig {
   Sensing& sensing() { return *sensing_; }
   const RobotModel& model() const { return *model_; }
 
+  bool further = false;  ///< another goal follows, at the pose of the first
+
   Observation truth(long k) const {
     const double t = 0.02 * static_cast<double>(k);
     Observation out;
@@ -90,6 +92,7 @@ class SensingRig {
     out.goal.X_WG.translation() = Vector3(2.0, 0.3 * t, 0.8);
     out.goal.X_WG.linear() = Eigen::AngleAxisd(0.7, Vector3(2, 1, 3).normalized()).toRotationMatrix();
     out.goal.V_WG_W << 0.05, 0.06, 0.07, 0.1, 0.3, 0.2;
+    if (further) out.next = out.goal;
     return out;
   }
 

@@ -130,6 +130,7 @@ TEST(Sensing, ABiasIsConstantInATrialAndSpreadOverWorlds) {
   std::vector<double> q, base, heading, object, object_turn, goal, goal_turn;
   for (std::uint64_t world = 0; world < 1000; ++world) {
     SensingRig rig(d, world);
+    rig.further = true;
     const Observation first = rig.sense(0), truth = rig.truth(0);
     if (world < 5) {
       const Observation later = rig.sense(1), then = rig.truth(1);
@@ -142,6 +143,7 @@ TEST(Sensing, ABiasIsConstantInATrialAndSpreadOverWorlds) {
     object.push_back(first.objects[1].X_WO.translation().y() - truth.objects[1].X_WO.translation().y());
     object_turn.push_back(rotation_between(truth.objects[1].X_WO, first.objects[1].X_WO).x());
     goal.push_back(first.goal.X_WG.translation().z() - truth.goal.X_WG.translation().z());
+    EXPECT_EQ(first.next->X_WG.matrix(), first.goal.X_WG.matrix()) << "one sensor sees all goals";
     goal_turn.push_back(rotation_between(truth.goal.X_WG, first.goal.X_WG).y());
     EXPECT_NE(first.objects[0].X_WO.translation().y() - truth.objects[0].X_WO.translation().y(), object.back());
   }
@@ -163,6 +165,7 @@ TEST(Sensing, ADelayHandsOnEarlierMeasurementsAsTheyWereMade) {
   late.objects.delay = 0.05;  // 2.5, rounded up: 3
   late.goal.delay = 0.1;      // 5
   SensingRig now(noisy), then(late);
+  now.further = then.further = true;
   std::vector<Observation> made;
   for (long k = 0; k < 60; ++k) {
     made.push_back(now.sense(k));
@@ -179,6 +182,8 @@ TEST(Sensing, ADelayHandsOnEarlierMeasurementsAsTheyWereMade) {
       ASSERT_EQ(seen.objects[i].V_WO_W, at(3).objects[i].V_WO_W) << k;
     }
     ASSERT_EQ(seen.goal.X_WG.matrix(), at(5).goal.X_WG.matrix()) << k;
+    ASSERT_EQ(seen.next->X_WG.matrix(), at(5).next->X_WG.matrix()) << k;
+    ASSERT_NE(made.back().next->X_WG.translation().x(), made.back().goal.X_WG.translation().x()) << "noise of its own";
     ASSERT_EQ(seen.time, made.back().time);
   }
 }

@@ -103,6 +103,7 @@ void Sensing::sense(long k, Observation& seen) {
     }
   }
   measure_pose(config_.goal, kGoal, goal_bias_, k, 0, seen.goal.X_WG, seen.goal.V_WG_W);
+  if (seen.next) measure_pose(config_.goal, kGoal, goal_bias_, k, 1, seen.next->X_WG, seen.next->V_WG_W);
   if (phantoms_.count() > 0 && !depth_) phantoms_.append(k, true_base_, seen.objects);
   late(k, seen);
 }
@@ -185,7 +186,10 @@ void Sensing::late(long k, Observation& seen) {
   seen.base = base_.pose;
   seen.qdot.head(base_dof_) = base_.velocity.head(base_dof_);
   if (!depth_) late_objects_.pass(k, seen.objects, draws(kObjectArrival));
-  late_goal_.pass(k, seen.goal, draws(kGoalArrival));
+  GoalReading goals{seen.goal, seen.next};
+  late_goal_.pass(k, goals, draws(kGoalArrival));
+  seen.goal = goals.goal;
+  seen.next = goals.next;
 }
 
 Phantoms::Phantoms(const FalseDetections& rule, const DisturbanceStreams& streams, double control_period)

@@ -100,7 +100,11 @@ class Sensing {
   LateLine<JointReading> late_joints_;
   LateLine<BaseReading> late_base_;
   LateLine<std::vector<ObjectState>> late_objects_;
-  LateLine<GoalState> late_goal_;
+  struct GoalReading {
+    GoalState goal;
+    std::optional<GoalState> next;
+  };
+  LateLine<GoalReading> late_goal_;
 
   static const PoseSources kObject, kGoal;
 };
