@@ -105,11 +105,11 @@ typedef struct moma_observation {
   double goal_stop; /**< 1 or 0; where it is not, the hand passes through on its way on */
   double goal_free[6]; /**< 1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z */
   double has_next; /**< 0: there is none, its numbers mean nothing */
-  double next_position[3]; /**< [m] */
-  double next_rotation[9]; /**< 3 x 3, by rows */
-  double next_twist[6]; /**< [rad/s, m/s] [angular; linear], the goal's own; 0 where it stands still */
-  double next_stop; /**< 1 or 0; where it is not, the hand passes through on its way on */
-  double next_free[6]; /**< 1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z */
+  double position_next[3]; /**< [m] */
+  double rotation_next[9]; /**< 3 x 3, by rows */
+  double twist_next[6]; /**< [rad/s, m/s] [angular; linear], the goal's own; 0 where it stands still */
+  double stop_next; /**< 1 or 0; where it is not, the hand passes through on its way on */
+  double free_next[6]; /**< 1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z */
 /* end of numbers of an observation */
   /* clang-format on */
   const double* q;

@@ -10,7 +10,7 @@ namespace {
 constexpr double kHalf = 0.01;           // half the time over which a velocity of the base is taken [s]
 constexpr double kMostJointSpeed = 0.9;  // share of the joints' speeds at the passing
 constexpr double kDamping = 1e-4;
-constexpr int kTimings = 4;  // times and places of passing that a try has
+constexpr int kTimings = 4;                          // times and places of passing that a try has
 constexpr std::array kScales{0.15, 0.4, 1.0, 0.05};  // of the draws around a configuration
 constexpr double kLeastReach = 0.05;                 // [m]
 constexpr double kStand = 0.6;                       // distance from the next goal up to which the base drives [m]

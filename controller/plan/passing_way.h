@@ -28,8 +28,8 @@ class PassingWay {
   void work() noexcept;
 
   std::size_t count() const noexcept { return found_.size(); }
-  /// Adds try number `index`, the best first, to `path`, whose origin is its start. Returns the state in which it passes
-  /// the goal. `longest`: approximate travel of the robot's farthest point [m].
+  /// Adds try number `index`, the best first, to `path`, whose origin is its start. Returns the state in which it
+  /// passes the goal. `longest`: approximate travel of the robot's farthest point [m].
   const MotionState& lay(std::size_t index, Path& path, double& longest) noexcept;
 
  private:

@@ -373,8 +373,8 @@ TEST_P(DirectWayOf, PassesAGoalOnItsWayToTheNextOne) {
     stopping += there.duration + direct.path().duration;
   }
   EXPECT_GE(found, 3) << "too few to say anything";
-  EXPECT_LT(passing, stopping);
-  if (model->mobile()) {
+  if (model->mobile()) {  // a fixed arm has hardly anything to gain
+    EXPECT_LT(passing, stopping);
     EXPECT_GT(fastest, 0.5 * limits.linear) << "no base drives on";
   }
 }

@@ -394,17 +394,16 @@ TEST_P(Ahead, GoesOnToTheNextGoalWithoutComingToRest) {
 // A goal that need not be stopped at is passed on the way to the next one, which is told; one that is missed is gone
 // back to and stopped at.
 TEST_P(Ahead, PassesAGoalOnItsWayToTheNextOne) {
-  double passing = 0.0, resting = 0.0, slowest = kInfinity;
-  int gone_on = 0;
+  double fastest = 0.0;  // of the base at a goal
+  int gone_on = 0, misses = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Scene scene = make_scene(model, seed, 0);
     const GoalState next{make_scene(model, seed + 100, 0).X_WG};
-    const auto run = [&](bool told, bool missed) {
+    const auto run = [&](bool missed) {
       Loop loop(model, read_params(*model, true), scene);
       const PlanState& state = loop.controller.lookahead()->state();
-      const GoalState first = loop.o.goal;
       loop.o.goal.stop = false;
-      if (told) loop.o.next = next;
+      loop.o.next = next;
       double rest = -1.0, at = -1.0;
       bool was_missed = false;
       for (int i = 0; i < 1500; ++i) {
@@ -419,26 +418,29 @@ TEST_P(Ahead, PassesAGoalOnItsWayToTheNextOne) {
         }
         if (missed && !was_missed) continue;
         at = loop.o.time;
-        if (told && state.path.passes() && model->mobile())
-          slowest = std::min(slowest, loop.o.qdot.lpNorm<Eigen::Infinity>());
+        if (!missed && model->mobile()) fastest = std::max(fastest, std::abs(loop.o.qdot[0]));
         loop.o.goal = next;
         loop.o.next.reset();
-        if (!missed && told) {
+        if (!missed) {
           const Path before = state.path;
           loop.step();
           gone_on += before.passes() && state.brief.mode == PlanMode::kFollow && !state.former ? 1 : 0;
         }
       }
-      if (missed) EXPECT_EQ(was_missed, told) << "seed " << seed;
+      if (missed) {
+        EXPECT_TRUE(was_missed) << "seed " << seed;
+      }
+      misses += !missed && was_missed ? 1 : 0;
       EXPECT_GT(rest, 0.0) << "seed " << seed;
-      return rest;
     };
-    passing += run(true, false);
-    resting += run(false, false);
-    if (seed == 1) run(true, true);
+    run(false);
+    if (seed == 1) run(true);
   }
   EXPECT_GE(gone_on, 3);
-  EXPECT_LT(passing, resting);
+  EXPECT_LE(misses, 1);
+  if (model->mobile()) {
+    EXPECT_GT(fastest, 0.25);
+  }
 }
 
 // What moves is the policy's business; a robot in motion without a path has set out already.

@@ -28,7 +28,7 @@ ControlCase ahead_case(const std::string& controller) {
 /// A robot that does what it is told, behind a wall.
 class Drive {
  public:
-  Drive(ControlCase& control_case, std::uint64_t seed) : case_(control_case) {
+  Drive(ControlCase& control_case, std::uint64_t seed, bool passes = false) : case_(control_case) {
     const Scene scene = behind_a_wall(case_.robot.model, seed);
     case_.objects = scene.shapes;
     controller_ = std::make_unique<ControllerCore>(case_.robot.model, case_.controller, case_.control_period);
@@ -41,6 +41,10 @@ class Drive {
     o_.goal.X_WG = scene.X_WG;
     o_.goal.X_WG.linear() *= Eigen::AngleAxisd(0.3, Vector3(1.0, 2.0, -0.5).normalized()).toRotationMatrix();
     o_.objects = scene.states;
+    if (!passes) return;
+    o_.goal.stop = false;
+    o_.next = GoalState{o_.goal.X_WG};
+    o_.next->X_WG.translation() += Vector3(0.3, 0.6, 0.1);
   }
   /// One step; the case is that of its beginning.
   void step() {
@@ -61,17 +65,18 @@ class Drive {
 
 TEST(PlanCase, AStepIsRepeatedBitForBitInEveryMode) {
   std::map<PlanMode, int> modes;
-  int going_on = 0;
+  int going_on = 0, passing = 0;
   for (const std::string controller : {"moma-ahead.yaml", "moma.yaml"}) {
     for (const int budget : {100, 900}) {
       ControlCase c = ahead_case(controller);
       c.controller.plan.budget = budget;
-      Drive drive(c, 1);
+      Drive drive(c, 1, budget == 900);
       for (int k = 0; k < 250; ++k) {
         drive.step();
         if (k > 10 && k % 5 != 0) continue;
         ++modes[c.memory.plan.brief.mode];
         going_on += c.memory.plan.brief.going_on ? 1 : 0;
+        passing += c.memory.plan.path.passes() ? 1 : 0;
         const ControlCase again = read_text(case_to_json(c));
         ASSERT_EQ((again.memory.plan.X_WG.matrix() - c.memory.plan.X_WG.matrix()).norm(), 0.0) << "step " << k;
         ASSERT_EQ(bits_of(again.memory.plan.brief), bits_of(c.memory.plan.brief)) << "step " << k;
@@ -87,6 +92,7 @@ TEST(PlanCase, AStepIsRepeatedBitForBitInEveryMode) {
   for (const PlanMode mode : {PlanMode::kSetOut, PlanMode::kDirect, PlanMode::kFollow, PlanMode::kChoose})
     EXPECT_GT(modes[mode], 0) << to_string(mode);
   EXPECT_GT(going_on, 0);
+  EXPECT_GT(passing, 0);
 }
 
 TEST(PlanCase, IsRefusedWhereItIsNone) {
