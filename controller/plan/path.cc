@@ -8,6 +8,9 @@ namespace {
 
 enum class Kind { kTurn, kDrive, kArm };
 
+// Motions of one plan; a path has room for the way on from its goal beside them.
+constexpr int kMostPlanned = Path::kMostMotions / 2;
+
 // Returns true if the accelerations of one motion's end and of the next one's beginning together stay within the
 // limits.
 bool may_overlap(const MotionLimits& limits, const PathPart& last, const Trapezoid& motion,
@@ -46,7 +49,7 @@ class Layout {
     return std::max({end_ - early, free_from(kind, motion, change), 0.0});
   }
   void put(Kind kind, double start, const Trapezoid& motion, const WholeConfiguration& change) noexcept {
-    if (!path_->add({start, motion, change})) {
+    if (path_->count == kMostPlanned || !path_->add({start, motion, change})) {
       full_ = true;
       return;
     }
