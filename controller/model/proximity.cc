@@ -13,6 +13,18 @@ namespace {
 // Radius of the ball that represents a point [m].
 constexpr double kPoint = 1e-3;
 
+// A box in world axes around a placed solid: the bounding box of a box, a cylinder or a capsule (a little larger for
+// a cylinder), the cube around the ball of another.
+Eigen::AlignedBox3d box_around(const Solid& solid, const Isometry& X_WS) noexcept {
+  const Vector3& size = solid.shape.size;
+  Vector3 half = Vector3::Constant(solid.radius);
+  if (solid.shape.kind == ShapeKind::kBox)
+    half = 0.5 * (X_WS.linear().cwiseAbs() * size);
+  else if (solid.shape.kind == ShapeKind::kCylinder || solid.shape.kind == ShapeKind::kCapsule)
+    half = (0.5 * size[1] * X_WS.linear().col(2).cwiseAbs()).array() + size[0];
+  return {X_WS.translation() - half, X_WS.translation() + half};
+}
+
 int hull_vertices(const Shape& shape) { return shape.hull ? static_cast<int>(shape.hull->vertices.size()) : 0; }
 
 }  // namespace
@@ -24,7 +36,12 @@ struct Proximity::Impl {
   std::vector<Solid> objects;
   std::optional<ConvexDistance> convex;                                  // sized by set_objects()
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> robot_X_WS;  // the shapes' frames in the world
-  std::vector<char> usable;                                              // of the objects, in this query
+  struct Around {
+    Eigen::AlignedBox3d box;
+    std::size_t object;
+  };
+  std::span<const ObjectState> held;
+  std::vector<Around> around, near;  // the held objects, and those near the robot
   std::vector<ProximityPair> pairs;
   ConvexGeometry point = convex_geometry({ShapeKind::kSphere, {kPoint, 0.0, 0.0}, nullptr});
 
@@ -55,15 +72,15 @@ struct Proximity::Impl {
       resize_box(solid, state.box);
   }
 
-  // Ball around all shapes of the robot as placed.
-  void enclose(Vector3& centre, double& radius) const noexcept {
-    Eigen::AlignedBox3d box;
-    for (std::size_t i = 0; i < robot.size(); ++i) {
-      box.extend(robot_X_WS[i].translation() - Vector3::Constant(robot[i].radius));
-      box.extend(robot_X_WS[i].translation() + Vector3::Constant(robot[i].radius));
+  // Takes the visible objects with valid poses.
+  void hold(std::span<const ObjectState> states) noexcept {
+    held = states;
+    around.clear();
+    for (std::size_t j = 0; j < std::min(states.size(), objects.size()); ++j) {
+      if (!states[j].visible || !is_pose(states[j].X_WO)) continue;
+      fit(j, states[j]);
+      around.push_back({box_around(objects[j], states[j].X_WO), j});
     }
-    centre = robot.empty() ? Vector3(Vector3::Zero()) : Vector3(box.center());
-    radius = robot.empty() ? 0.0 : 0.5 * box.diagonal().norm();
   }
 
   bool place(const Kinematics& kinematics) noexcept {
@@ -87,28 +104,24 @@ struct Proximity::Impl {
 
   // Calls found(pair) for every pair inside its range, in the fixed order, until it returns false.
   template <class Found>
-  void each(const Kinematics& kinematics, std::span<const ObjectState> states, const ProximityRanges& ranges,
-            Found&& found) noexcept {
+  void each(const Kinematics& kinematics, const ProximityRanges& ranges, Found&& found) noexcept {
     const std::vector<CollisionShape>& shapes = model->shapes;
     if (!place(kinematics)) return;
     if (ranges.object >= 0.0) {
-      const std::size_t count = std::min(states.size(), objects.size());
-      Vector3 centre;
-      double radius = 0.0;
-      enclose(centre, radius);
-      for (std::size_t j = 0; j < count; ++j) {
-        usable[j] = states[j].visible && is_pose(states[j].X_WO) ? 1 : 0;
-        if (usable[j] == 0) continue;
-        fit(j, states[j]);
-        // A solid out of range of the whole robot is out of range of each of its shapes.
-        constexpr double kRounding = 1e-6;
-        const double reach = ranges.object + radius + objects[j].radius + kRounding;
-        if ((states[j].X_WO.translation() - centre).squaredNorm() > reach * reach) usable[j] = 0;
-      }
+      Eigen::AlignedBox3d robot_box;
+      for (std::size_t i = 0; i < robot.size(); ++i) robot_box.extend(box_around(robot[i], robot_X_WS[i]));
+      // Objects out of range of the robot's box are out of range of each shape; `apart` decides the others.
+      constexpr double kRounding = 1e-5;
+      const double reach = (ranges.object + kRounding) * (ranges.object + kRounding);
+      near.clear();
+      for (const Around& object : around)
+        if (!(robot_box.squaredExteriorDistance(object.box) > reach)) near.push_back(object);
       for (std::size_t i = 0; i < shapes.size(); ++i) {
-        for (std::size_t j = 0; j < count; ++j) {
-          if (usable[j] == 0) continue;
-          const auto d = within(robot[i], robot_X_WS[i], objects[j], states[j].X_WO, ranges.object);
+        const Eigen::AlignedBox3d box = box_around(robot[i], robot_X_WS[i]);
+        for (const Around& object : near) {
+          if (box.squaredExteriorDistance(object.box) > reach) continue;
+          const std::size_t j = object.object;
+          const auto d = within(robot[i], robot_X_WS[i], objects[j], held[j].X_WO, ranges.object);
           if (d && !found(ProximityPair{PairKind::kObject, static_cast<int>(i), static_cast<int>(j), *d})) return;
         }
       }
@@ -151,17 +164,28 @@ void Proximity::set_objects(std::span<const ObjectShape> objects) {
   for (const auto* solids : {&impl.robot, &impl.objects})
     for (const Solid& solid : *solids) vertices = std::max(vertices, hull_vertices(solid.shape));
   impl.convex.emplace(vertices);
-  impl.usable.assign(impl.objects.size(), 0);
+  impl.held = {};
+  for (auto* list : {&impl.around, &impl.near}) {
+    list->clear();
+    list->reserve(impl.objects.size());
+  }
   impl.pairs.clear();
   impl.pairs.reserve(impl.robot.size() * (impl.objects.size() + 1) + impl.model->self_pairs.size());
 }
 
 int Proximity::num_objects() const noexcept { return static_cast<int>(impl_->objects.size()); }
 
+void Proximity::hold(std::span<const ObjectState> states) noexcept { impl_->hold(states); }
+
 std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, std::span<const ObjectState> states,
                                                 const ProximityRanges& ranges) noexcept {
+  hold(states);
+  return query(kinematics, ranges);
+}
+
+std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, const ProximityRanges& ranges) noexcept {
   impl_->pairs.clear();
-  impl_->each(kinematics, states, ranges, [&](const ProximityPair& pair) {
+  impl_->each(kinematics, ranges, [&](const ProximityPair& pair) {
     impl_->pairs.push_back(pair);
     return true;
   });
@@ -170,13 +194,14 @@ std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, st
 
 bool Proximity::clear(const Kinematics& kinematics, std::span<const ObjectState> states,
                       const ProximityRanges& ranges) noexcept {
-  bool none = true;
-  impl_->each(kinematics, states, ranges, [&](const ProximityPair&) { return none = false; });
-  return none;
+  hold(states);
+  return clear(kinematics, ranges);
 }
 
-void Proximity::fit(std::span<const ObjectState> states) noexcept {
-  for (std::size_t j = 0; j < std::min(states.size(), impl_->objects.size()); ++j) impl_->fit(j, states[j]);
+bool Proximity::clear(const Kinematics& kinematics, const ProximityRanges& ranges) noexcept {
+  bool none = true;
+  impl_->each(kinematics, ranges, [&](const ProximityPair&) { return none = false; });
+  return none;
 }
 
 bool Proximity::place(const Kinematics& kinematics) noexcept { return impl_->place(kinematics); }

@@ -99,8 +99,10 @@ class Proximity {
   /// True if query() would find nothing; stops at the first pair inside its range.
   bool clear(const Kinematics& kinematics, std::span<const ObjectState> states, const ProximityRanges& ranges) noexcept;
 
-  /// Takes over the sizes of boxes (ObjectState::box), as query(), clear() and within() do.
-  void fit(std::span<const ObjectState> states) noexcept;
+  /// Takes over these states for the calls without states. They must stay as they are until the next states come.
+  void hold(std::span<const ObjectState> states) noexcept;
+  std::span<const ProximityPair> query(const Kinematics& kinematics, const ProximityRanges& ranges) noexcept;
+  bool clear(const Kinematics& kinematics, const ProximityRanges& ranges) noexcept;
 
   /// Does the same for single pairs, with the robot at its last place() or query(). Returns false for an invalid pose;
   /// then no pair has a distance. `second` is as in ProximityPair; objects must be visible and have valid poses.

@@ -35,6 +35,7 @@ void FreeSpace::set_states(std::span<const ObjectState> states) noexcept {
     states_[i] = states[i];
     states_[i].visible = counts_for_plans(states[i]);
   }
+  proximity_.hold(states_);
 }
 
 Kinematics& FreeSpace::place(const WholeConfiguration& c) noexcept {
@@ -47,7 +48,7 @@ void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfigur
   keeps_.clearances = clearances;
   place(start);
   ++checks_;
-  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, ranges_of(clearances))) {
+  for (const ProximityPair& pair : proximity_.query(kinematics_, ranges_of(clearances))) {
     double& clearance = pair.kind == PairKind::kObject  ? keeps_.clearances.object
                         : pair.kind == PairKind::kFloor ? keeps_.clearances.floor
                                                         : keeps_.clearances.self;
@@ -87,7 +88,7 @@ bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances)
         keeps_.clearances.object > 0.0 ? std::min(1.0, clearances.object / keeps_.clearances.object) : 1.0;
     ranges.object = std::min(ranges.object, part * keeps_.at_goal.of(kInfinity, hand()));
   }
-  return proximity_.clear(kinematics_, states_, ranges);
+  return proximity_.clear(kinematics_, ranges);
 }
 
 // Position of E in the last configuration.

@@ -66,6 +66,7 @@ void BrakeCheck::set_objects(std::span<const ObjectShape> objects) {
   states_.assign(objects.size(), ObjectState{});
   object_bounds_.assign(model_->shapes.size() * objects.size(), 0.0);
   sharp_.assign(object_bounds_.size(), 0);
+  shown_.reserve(objects.size());
   radii_.clear();
   for (const ObjectShape& object : objects) radii_.push_back(bounding_radius(object.shape));
   candidates_.reserve(object_bounds_.size() + floor_bounds_.size() + self_bounds_.size());
@@ -96,6 +97,9 @@ void BrakeCheck::begin(const Observation& o, const Known& known) noexcept {
   placed_ = Placed::kNot;
   const auto bound = [](double range) { return range >= 0.0 ? range : -kInfinity; };
   const std::size_t shapes = model_->shapes.size(), count = states_.size();
+  shown_.clear();
+  for (std::size_t k = 0; k < count; ++k)
+    if (states_[k].visible) shown_.push_back(static_cast<int>(k));
   for (std::size_t k = 0; k < count; ++k) {
     const double far = states_[k].visible ? bound(known.ranges.object) : kInfinity;
     for (std::size_t i = 0; i < shapes; ++i) object_bounds_[i * count + k] = far;
@@ -146,7 +150,7 @@ void BrakeCheck::choose_candidates() noexcept {
     const double enough = range + ways_.most_in_world(i);
     Group group{i, candidates_.size(), 0, kInfinity};
     const double* known = object_bounds_.data() + static_cast<std::size_t>(i) * states_.size();
-    for (int k = 0; k < static_cast<int>(states_.size()); ++k) {
+    for (const int k : shown_) {
       if (known[k] >= enough) continue;
       const double reach = enough + ways_.radius(i) + radii_[static_cast<std::size_t>(k)];
       const Vector3 between = ways_.centre_W(i) - states_[static_cast<std::size_t>(k)].X_WO.translation();
@@ -298,7 +302,7 @@ double BrakeCheck::widest_margin(const Observation& o) noexcept {
   if (!uncertainty_.on()) return 0.0;
   kinematics_.place(o.base, o.q);
   double widest = 0.0;
-  for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {params_.range, -1.0, -1.0}))
+  for (const ProximityPair& pair : proximity_.query(kinematics_, {params_.range, -1.0, -1.0}))
     widest = std::max(widest, margin_of(pair));
   return params_.widening * widest;
 }
@@ -372,7 +376,7 @@ double BrakeCheck::apply(const Observation& o, const Allowed& allowed, std::span
     if (!states_[i].V_WO_W.isZero(0.0) || !is_pose(states_[i].X_WO)) states_[i].visible = false;
     if (states_[i].box.x() > 0.0) radii_[i] = 0.5 * states_[i].box.norm();
   }
-  proximity_.fit(states_);
+  proximity_.hold(states_);
   widest_ = widest_margin(o);
   begin(o, known);
   double best = clearance(o, command, -kInfinity);

@@ -138,6 +138,7 @@ class BrakeCheck {
   // Lower bounds of distances at the start of the step: of shapes and objects, of shapes to the floor, of the model's
   // self pairs.
   std::vector<double> object_bounds_, floor_bounds_, self_bounds_;
+  std::vector<int> shown_;     // the visible ones among them
   std::vector<double> radii_;  // of the objects
   std::vector<char> sharp_;    // the object's bounds are as good as cheaply possible
   std::vector<int> self_at_;   // index of a pair of shapes in the model's list
