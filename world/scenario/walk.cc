@@ -1,9 +1,12 @@
 #include "world/scenario/walk.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
+
+#include "controller/model/analytic_distance.h"
 
 namespace moma {
 namespace {
@@ -38,6 +41,21 @@ Passing nearest_passing(const std::vector<Vector3>& circles, const Vector3& from
     if (gap < out.gap) out = {gap, part};
   }
   return out;
+}
+
+/// True if an upright solid on the floor keeps off upright boxes, except those above it, on the leg of its centre.
+bool keeps_off(std::span<const WorldObject> boxes, double reach, const Vector3& from, const Vector3& to) {
+  constexpr double kStep = 0.05;  // between two looks [m]
+  const int parts = static_cast<int>(std::ceil((to - from).head<2>().norm() / kStep));
+  for (const WorldObject& box : boxes) {
+    if (box.X_WO.translation().z() - 0.5 * box.shape.size.z() > 2.0 * from.z()) continue;
+    for (int k = 0; k <= parts; ++k) {
+      Vector3 p = from + k / std::max(1.0, static_cast<double>(parts)) * (to - from);
+      p.z() = box.X_WO.translation().z();
+      if (point_gap(box.shape, box.X_WO.inverse() * p) < reach + kStep) return false;
+    }
+  }
+  return true;
 }
 
 /// Returns an object's reach from its centre, in the plane.
@@ -76,7 +94,7 @@ Way straight_way(const SceneBuilder& builder, const World& world) {
 }
 
 bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
-                  WorldObject& object) const {
+                  const Inside& inside, WorldObject& object) const {
   Draws draws = builder.draws(Stream::kMotion, item);
   const double pace = sample_within(kPace, speed, draws);
   const double r = sample_within(kSize, radius, draws);
@@ -94,6 +112,7 @@ bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, d
 
   const std::vector<Vector3> circles = builder.footprints();
   const double reach = level_reach(object, people);
+  if (!keeps_off(inside.solids, reach, object.X_WO.translation(), object.X_WO.translation())) return false;
   PathMotion path;
   path.times = {0.0};
   path.positions = {object.X_WO.translation()};
@@ -103,9 +122,11 @@ bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, d
     Vector3 to = before;
     double time = -1.0;
     for (int k = 0; k < kLegTries && time < 0.0; ++k) {
-      to = way_point(draws, way, margin);
+      const bool door = !inside.doors.empty() && draws.uniform() < 0.5;
+      to = door ? inside.doors[draws.choice(inside.doors.size())] : way_point(draws, way, margin);
       to.z() = at.z();
-      if ((to - at).norm() >= kLeastLeg) time = clear_leg(builder, circles, reach, object, at, to, pace);
+      if ((to - at).norm() >= kLeastLeg && keeps_off(inside.solids, reach, at, to))
+        time = clear_leg(builder, circles, reach, object, at, to, pace);
     }
     if (time < 0.0) {  // blocked: back to the waypoint before
       if (path.times.size() == 1) return false;

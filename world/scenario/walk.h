@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 #include "controller/describe/enumeration.h"
@@ -46,7 +47,17 @@ struct Walk {
   /// and witness at all times: SceneBuilder::clear_for() checks each leg. False if no first leg is found; later legs
   /// can always lead back. `item` numbers the draws.
   bool sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
-              WorldObject& object) const;
+              WorldObject& object) const {
+    return sample(builder, way, mix, horizon, item, {}, object);
+  }
+  /// The same inside walls: a leg keeps off the `solids`, boxes at rest, and every other waypoint is one of the
+  /// `doors`, through which people come round corners.
+  struct Inside {
+    std::span<const WorldObject> solids;
+    std::span<const Vector3> doors;
+  };
+  bool sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
+              const Inside& inside, WorldObject& object) const;
 };
 
 constexpr void describe(auto& v, Of<Walk>) {
