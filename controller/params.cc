@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "controller/describe/check.h"
+#include "controller/map/occupancy_map.h"
 #include "controller/model/base_kind.h"
 #include "controller/model/limit_part.h"
 #include "controller/params_described.h"
@@ -139,6 +140,9 @@ class Checker {
     if (map.enabled && model_.sensors.empty()) warning("map", "stays empty: the robot file has no `sensors`");
     if (map.enabled && !(map.inset < 0.5 * map.cell))
       error("map.inset", "must be below half of map.cell = " + short_text(map.cell) + ", is " + short_text(map.inset));
+    if (map.enabled && !(map.height < (OccupancyMap::kMostLayers + 0.5) * map.cell))
+      error("map.height", "must be at most " + std::to_string(OccupancyMap::kMostLayers) +
+                              " cells of map.cell = " + short_text(map.cell) + ", is " + short_text(map.height));
     if (map.unseen.enabled && !(map.unseen.stop < map.unseen.influence))
       error("map.unseen.stop", "must be below map.unseen.influence = " + short_text(map.unseen.influence) + ", is " +
                                    short_text(map.unseen.stop));

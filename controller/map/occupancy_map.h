@@ -1,7 +1,7 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "controller/map/params.h"
@@ -19,6 +19,10 @@ struct CellBox {
 /// occupancy; a frame changes a cell once, and a hit counts more than the frame's passing rays (Hornung et al.,
 /// OctoMap, Autonomous Robots 34, 2013). Rays walk from cell to cell (Amanatides & Woo, Eurographics 1987). Points are
 /// in the axes of the measured base pose, and the window's floor is z = 0. Only the constructor and clear() allocate.
+///
+/// A column of cells has a bit for each of its layers: which are occupied, unseen, settled (at the lower bound of the
+/// log-odds, where a passing ray changes nothing). A ray jumps over the blocks of columns whose cells on its way are
+/// all settled. Boxes grow by whole columns.
 class OccupancyMap {
  public:
   explicit OccupancyMap(const MapParams& params);
@@ -36,6 +40,8 @@ class OccupancyMap {
   void pass(const Vector3& from, const Vector3& to) noexcept;
   /// Takes a cell for free, if nothing else is known of it; `surely`: whatever is known.
   void take_for_free(const Eigen::Vector3i& cell, bool surely) noexcept;
+  /// True if that changes nothing.
+  bool freed_already(const Eigen::Vector3i& cell, bool surely) const noexcept;
 
   bool occupied(const Eigen::Vector3i& cell) const noexcept { return inside(cell) && cells_[at(cell)].odds > 0; }
   bool unseen(const Eigen::Vector3i& cell) const noexcept { return inside(cell) && cells_[at(cell)].odds == kUnseen; }
@@ -45,18 +51,20 @@ class OccupancyMap {
   Vector3 low_corner(const Eigen::Vector3i& cell) const noexcept { return size_ * (cell + origin_).cast<double>(); }
   double cell() const noexcept { return size_; }
   Eigen::Vector3i cells() const noexcept { return {count_, count_, layers_}; }
-  /// True if each cell inside `region` that became occupied since the last call is in one of the boxes. False where
-  /// these are more than kFresh.
-  bool covers_fresh(std::span<const CellBox> boxes, const CellBox& region) noexcept;
+  /// The window's first cell, in cells; it changes as the window moves.
+  const Eigen::Vector3i& origin() const noexcept { return origin_; }
+  /// True if the window moved since the last cover() of occupied cells, or a cell inside its region and outside its
+  /// boxes became occupied.
+  bool uncovered() const noexcept { return uncovered_; }
 
   enum class Kind { kOccupied, kUnseen };
   /// Covers the cells of a kind inside `region` with disjoint boxes of at most kLongest cells an edge, at most as many
-  /// as `boxes` has capacity for.
+  /// as `boxes` has capacity for. Keeps the given boxes that touch the region and have cells of the kind alone.
   void cover(Kind kind, CellBox region, std::vector<CellBox>& boxes) noexcept;
 
   static constexpr int kUnseen = -128;
   static constexpr double kUnit = 0.05;
-  static constexpr std::size_t kFresh = 2000;
+  static constexpr int kMostLayers = 64;
   static constexpr int kRoll = 8;      // cells
   static constexpr int kLongest = 16;  // cells
 
@@ -68,24 +76,37 @@ class OccupancyMap {
   bool inside(const Eigen::Vector3i& c) const noexcept {
     return (c.array() >= 0).all() && c.x() < count_ && c.y() < count_ && c.z() < layers_;
   }
+  using Layers = std::uint64_t;  // a bit for each
+  struct Column {
+    Layers occupied = 0, unseen = ~Layers{0}, settled = 0;
+  };
+  static constexpr int kBlock = 8;  // columns
+  struct Block {
+    Layers settled = 0;                             // layers in which all of its columns are settled
+    std::array<std::uint8_t, kMostLayers> count{};  // settled cells of each layer
+  };
+
   std::size_t column(int x, int y) const noexcept { return static_cast<std::size_t>(x * count_ + y); }
+  std::size_t block(int x, int y) const noexcept {
+    const auto in_row = [](int i) { return static_cast<unsigned>(i) / kBlock; };
+    return in_row(x) * in_row(count_) + in_row(y);
+  }
   std::size_t at(const Eigen::Vector3i& c) const noexcept {
     return column(c.x(), c.y()) * static_cast<std::size_t>(layers_) + static_cast<std::size_t>(c.z());
   }
-  void change(std::size_t index, int by) noexcept;
-  void set(std::size_t index, int odds) noexcept;
-  bool counts(Kind kind, std::size_t index) const noexcept {
-    return kind == Kind::kOccupied ? cells_[index].odds > 0 : cells_[index].odds == kUnseen;
-  }
+  void set(std::size_t column, int z, int odds) noexcept;
 
   double size_;
   int count_, layers_;
   int hit_, pass_, least_, most_;                     // in units
   Eigen::Vector3i origin_ = Eigen::Vector3i::Zero();  // of the window's first cell, in cells
   std::vector<Cell> cells_;
-  std::vector<std::int16_t> occupied_;  // number of occupied cells of each column
-  std::vector<char> left_;              // cells that cover() has not covered yet
-  std::vector<int> fresh_;              // cells that became occupied
+  std::vector<Column> columns_;
+  std::vector<Block> blocks_;
+  std::vector<Layers> left_;     // cells of each column that cover() has not covered yet
+  std::vector<Layers> covered_;  // cells of each column in a box of the last cover() of occupied cells
+  CellBox region_;               // of that call
+  bool uncovered_ = false;
   std::uint8_t frame_ = 0;
 };
 

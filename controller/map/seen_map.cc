@@ -1,6 +1,7 @@
 #include "controller/map/seen_map.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <string>
@@ -15,7 +16,8 @@ namespace {
 constexpr std::size_t kMoments = 128;     // remembered steps
 constexpr std::size_t kMostFound = 4096;  // boxes among which the nearest are chosen
 constexpr double kThinnest = 0.01;        // edge of a box [m]
-constexpr double kOften = 0.3;            // boxes are made anew after this time, or where they miss a new cell [s]
+constexpr double kOften = 0.3;            // boxes are looked at after this time, or where they miss a new cell [s]
+constexpr double kMerge = 1.0;            // all boxes are made anew after this time [s]
 constexpr int kLevels = 3;                // of rays that begin at the sensor, further from it, ...
 
 }  // namespace
@@ -54,14 +56,22 @@ void SeenMap::reset() {
   const Moment none{.q = VectorX::Zero(model_->num_joints())};
   base_log_.assign(kMoments, none);
   joint_log_.assign(kMoments, none);
-  boxes_.clear();
-  boxes_.reserve(kMostFound);
-  order_.reserve(kMostFound);
-  chosen_.clear();
-  chosen_.reserve(static_cast<std::size_t>(std::max(params_.boxes, params_.unseen.boxes)));
   ObjectState hidden;
   hidden.visible = false;
-  states_.assign(static_cast<std::size_t>(params_.boxes + (params_.unseen.enabled ? params_.unseen.boxes : 0)), hidden);
+  const auto boxes = static_cast<std::size_t>(params_.boxes);
+  states_.assign(boxes + static_cast<std::size_t>(params_.unseen.enabled ? params_.unseen.boxes : 0), hidden);
+  occupied_.states = std::span(states_).first(boxes);
+  occupied_.inset = params_.inset;
+  unseen_.states = std::span(states_).subspan(boxes);
+  for (ObjectState& state : unseen_.states) state.seen = false;
+  for (Kind* kind : {&occupied_, &unseen_}) {
+    kind->boxes.clear();
+    kind->boxes.reserve(kMostFound);
+    kind->objects.assign(kind->states.size(), CellBox{});
+  }
+  order_.reserve(kMostFound);
+  kept_.assign(std::max(occupied_.states.size(), unseen_.states.size()), 0);
+  chosen_.reserve(std::max(occupied_.states.size(), unseen_.states.size()));
   shapes_X_WS_.assign(model_->shapes.size(), Isometry::Identity());
   shapes_X_SW_ = shapes_X_WS_;
   map_.clear(0.0, 0.0);
@@ -91,12 +101,18 @@ void SeenMap::observe(const Observation& o) noexcept {
   if (std::none_of(sensors_.begin(), sensors_.end(), [](const Waiting& s) { return s.waits; })) return;
   if (!begun_) {
     begun_ = true;
-    made_at_ = -kNever;
+    made_at_ = merged_at_ = -kNever;
     map_.centre(o.base.x(), o.base.y());
     place_robot(o.base, o.q);
     if (params_.unseen.enabled) free_own(params_.unseen.start, false);
   }
-  bool anew = map_.centre(o.base.x(), o.base.y()) || o.time - made_at_ >= kOften;
+  const Eigen::Vector3i origin = map_.origin();
+  if (map_.centre(o.base.x(), o.base.y())) {
+    for (CellBox& box : occupied_.boxes) {
+      box.low += origin - map_.origin();
+      box.high += origin - map_.origin();
+    }
+  }
   for (long rays = 0; rays < params_.rays;) {
     Waiting* first = nullptr;
     for (Waiting& sensor : sensors_)
@@ -107,11 +123,21 @@ void SeenMap::observe(const Observation& o) noexcept {
   }
   place_robot(o.base, o.q);
   free_own(params_.own, true);
-  const CellBox around = region(o.base, params_.reach);
-  if (!map_.covers_fresh(chosen_, around)) anew = true;
-  if (!anew) return;
+  if (o.time - made_at_ < kOften && !map_.uncovered()) return;
   made_at_ = o.time;
-  make_boxes(o.base);
+  if (o.time - merged_at_ >= kMerge) {
+    merged_at_ = o.time;
+    occupied_.boxes.clear();
+  }
+  if (params_.unseen.enabled) {
+    // Above the robot nothing is asked of unseen space.
+    CellBox around = region(o.base, params_.unseen.range);
+    around.high.z() = std::min(around.high.z(), map_.cell_of(middle_W_ + Vector3::Constant(radius_)).z());
+    unseen_.boxes.clear();
+    make_boxes(unseen_, around, middle_W_);
+  }
+  left_out_ = 0;
+  make_boxes(occupied_, region(o.base, params_.reach), {o.base.x(), o.base.y(), 0.0});
 }
 
 void SeenMap::place_robot(const Vector3& base, const VectorX& q) noexcept {
@@ -162,11 +188,16 @@ void SeenMap::take(Waiting& sensor) noexcept {
   // Near the sensor a part of the rays passes every cell: a ray begins where those of the next level are a cell apart.
   const Sensor& s = sensor.mounted->sensor;
   const double apart = std::max(s.field_of_view[0] / s.columns, s.field_of_view[1] / s.rows);
+  // Ends of rays count in each frame. Of the rays as a checkerboard one colour frees cells in a frame, the other in the
+  // next.
+  const long colour = std::lround(sensor.frame.time * s.rate) & 1;
   for (Eigen::Index i = 0; i < ranges.size(); ++i) {
     const double r = std::min(ranges[i], range);
     if (!(r > 0.0)) continue;
     const auto place = static_cast<int>(i);
-    const auto both = static_cast<unsigned>(place / s.columns | place % s.columns);
+    const int row = place / s.columns, column = place % s.columns;
+    if (((row + column) & 1) != colour) continue;
+    const auto both = static_cast<unsigned>(row | column);
     const int level = std::min(kLevels, std::countr_zero(both));
     const double begins = level == kLevels ? 0.0 : map_.cell() / (apart * (2 << level));
     if (begins >= r) continue;
@@ -190,7 +221,9 @@ void SeenMap::free_own(double margin, bool surely) noexcept {
     for (c.x() = first.x(); c.x() <= last.x(); ++c.x())
       for (c.y() = first.y(); c.y() <= last.y(); ++c.y())
         for (c.z() = first.z(); c.z() <= last.z(); ++c.z())
-          if (point_gap(shape, shapes_X_SW_[i] * (map_.low_corner(c) + half)) <= margin) map_.take_for_free(c, surely);
+          if (!map_.freed_already(c, surely) &&
+              point_gap(shape, shapes_X_SW_[i] * (map_.low_corner(c) + half)) <= margin)
+            map_.take_for_free(c, surely);
   }
 }
 
@@ -203,45 +236,55 @@ CellBox SeenMap::region(const Vector3& base, double reach) const noexcept {
   return out;
 }
 
-void SeenMap::make_boxes(const Vector3& base) noexcept {
-  const std::span<ObjectState> all(states_);
-  const auto seen = static_cast<std::size_t>(params_.boxes);
-  if (params_.unseen.enabled) {
-    // Above the robot nothing is asked of unseen space.
-    CellBox around = region(base, params_.unseen.range);
-    around.high.z() = std::min(around.high.z(), map_.cell_of(middle_W_ + Vector3::Constant(radius_)).z());
-    map_.cover(OccupancyMap::Kind::kUnseen, around, boxes_);
-    fill(all.subspan(seen), middle_W_, 0.0);
-    for (ObjectState& state : all.subspan(seen)) state.seen = false;
-  }
-  map_.cover(OccupancyMap::Kind::kOccupied, region(base, params_.reach), boxes_);
-  left_out_ = 0;
-  fill(all.first(seen), {base.x(), base.y(), 0.0}, params_.inset);
-}
-
-// The nearest boxes to `middle` become objects, in the order in which they were found.
-void SeenMap::fill(std::span<ObjectState> states, const Vector3& middle, double inset) noexcept {
-  const auto low = [&](const CellBox& box) -> Vector3 { return map_.low_corner(box.low).array() + inset; };
-  const auto high = [&](const CellBox& box) -> Vector3 { return map_.low_corner(box.high).array() - inset; };
+// The nearest boxes to `middle` become objects. A box that is one already keeps its place, so that whoever compares
+// objects with those of before finds what has changed.
+void SeenMap::make_boxes(Kind& kind, const CellBox& region, const Vector3& middle) noexcept {
+  map_.cover(kind.kind, region, kind.boxes);
+  const Vector3 inset = Vector3::Constant(kind.inset);
   order_.clear();
-  for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    const Vector3 nearest = middle.cwiseMax(low(boxes_[i])).cwiseMin(high(boxes_[i]));
+  for (std::size_t i = 0; i < kind.boxes.size(); ++i) {
+    const Vector3 low = map_.low_corner(kind.boxes[i].low), high = map_.low_corner(kind.boxes[i].high);
+    const Vector3 nearest = middle.cwiseMax(low + inset).cwiseMin(high - inset);
     order_.emplace_back((nearest - middle).head<2>().squaredNorm(), static_cast<int>(i));
   }
-  if (order_.size() > states.size()) {
-    left_out_ += static_cast<int>(order_.size() - states.size());
-    std::nth_element(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(states.size()), order_.end());
-    order_.resize(states.size());
+  if (order_.size() > kind.states.size()) {
+    left_out_ += static_cast<int>(order_.size() - kind.states.size());
+    std::nth_element(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(kind.states.size()), order_.end());
+    order_.resize(kind.states.size());
   }
-  std::sort(order_.begin(), order_.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto by_place = [](const CellBox& a, const CellBox& b) {
+    const auto both = [](const CellBox& box) {
+      return std::array{box.low.x(), box.low.y(), box.low.z(), box.high.x(), box.high.y(), box.high.z()};
+    };
+    return both(a) < both(b);
+  };
   chosen_.clear();
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    states[i].visible = i < order_.size();
-    if (!states[i].visible) continue;
-    const CellBox& box = boxes_[static_cast<std::size_t>(order_[i].second)];
-    chosen_.push_back(box);
-    states[i].X_WO.translation() = 0.5 * (low(box) + high(box));
-    states[i].box = (high(box) - low(box)).cwiseMax(kThinnest);
+  for (const auto& [distance, i] : order_) {
+    const CellBox& box = kind.boxes[static_cast<std::size_t>(i)];
+    chosen_.push_back({box.low + map_.origin(), box.high + map_.origin()});
+  }
+  std::sort(chosen_.begin(), chosen_.end(), by_place);
+  std::fill(kept_.begin(), kept_.end(), char{0});
+  for (std::size_t i = 0; i < kind.states.size(); ++i) {
+    if (!kind.states[i].visible) continue;
+    const auto same = std::lower_bound(chosen_.begin(), chosen_.end(), kind.objects[i], by_place);
+    if (same == chosen_.end() || by_place(kind.objects[i], *same))
+      kind.states[i].visible = false;
+    else
+      kept_[static_cast<std::size_t>(same - chosen_.begin())] = 1;
+  }
+  std::size_t place = 0;
+  for (std::size_t i = 0; i < chosen_.size(); ++i) {
+    const CellBox& box = chosen_[i];
+    if (kept_[i] != 0) continue;
+    while (kind.states[place].visible) ++place;
+    ObjectState& state = kind.states[place];
+    const Vector3 low = map_.cell() * box.low.cast<double>() + inset,
+                  high = map_.cell() * box.high.cast<double>() - inset;
+    state.visible = true;
+    state.X_WO.translation() = 0.5 * (low + high);
+    state.box = (high - low).cwiseMax(kThinnest);
+    kind.objects[place] = box;
   }
 }
 

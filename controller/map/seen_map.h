@@ -61,8 +61,15 @@ class SeenMap {
   void free_own(double margin, bool surely) noexcept;
   void place_robot(const Vector3& base, const VectorX& q) noexcept;
   CellBox region(const Vector3& base, double reach) const noexcept;
-  void make_boxes(const Vector3& base) noexcept;
-  void fill(std::span<ObjectState> states, const Vector3& middle, double inset) noexcept;
+  // The boxes of a kind of cells, and those that are objects. A box that stays keeps its object.
+  struct Kind {
+    OccupancyMap::Kind kind;
+    std::vector<CellBox> boxes;    // from the window's first cell
+    std::vector<CellBox> objects;  // of its objects, from the world's origin; of no cells: none
+    std::span<ObjectState> states;
+    double inset;
+  };
+  void make_boxes(Kind& kind, const CellBox& region, const Vector3& middle) noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   MapParams params_;
@@ -75,9 +82,11 @@ class SeenMap {
   std::vector<Waiting> sensors_;
   std::vector<Moment> base_log_, joint_log_;  // rings
   std::size_t logged_ = 0;
-  std::vector<CellBox> boxes_, chosen_;  // chosen_: those of occupied space that became objects
-  double made_at_ = -kNever;             // time of the last boxes [s]
+  Kind occupied_{OccupancyMap::Kind::kOccupied, {}, {}, {}, 0.0}, unseen_{OccupancyMap::Kind::kUnseen, {}, {}, {}, 0.0};
+  double made_at_ = -kNever, merged_at_ = -kNever;  // times of the last boxes, and of boxes from nothing [s]
   std::vector<std::pair<double, int>> order_;
+  std::vector<CellBox> chosen_;
+  std::vector<char> kept_;
   std::vector<ObjectState> states_;
   bool begun_ = false;
   int left_out_ = 0;

@@ -225,18 +225,25 @@ TEST(OccupancyMap, MovesWithTheRobotAndForgetsWhatItLeaves) {
 TEST(OccupancyMap, TellsOfCellsThatItsBoxesMiss) {
   OccupancyMap map(MapParams{});
   const CellBox all{{0, 0, 0}, map.cells()};
-  EXPECT_TRUE(map.covers_fresh({}, all));
+  EXPECT_FALSE(map.uncovered());
   map.begin();
   map.hit({1.0, 0.5, 0.7});
   std::vector<CellBox> boxes;
   boxes.reserve(10);
   map.cover(OccupancyMap::Kind::kOccupied, all, boxes);
   ASSERT_EQ(boxes.size(), 1u);
-  EXPECT_TRUE(map.covers_fresh(boxes, all));
+  EXPECT_FALSE(map.uncovered());
+  map.begin();
+  map.hit({1.0, 0.5, 0.7});
+  EXPECT_FALSE(map.uncovered());
   map.begin();
   map.hit({1.0, 0.5, 0.8});
-  EXPECT_FALSE(map.covers_fresh(boxes, all));
-  EXPECT_TRUE(map.covers_fresh(boxes, all)) << "once";
+  EXPECT_TRUE(map.uncovered());
+  map.cover(OccupancyMap::Kind::kOccupied, {{0, 0, 0}, map.cell_of({0.8, 0.5, 0.7})}, boxes);
+  EXPECT_FALSE(map.uncovered());
+  map.begin();
+  map.hit({1.0, 0.5, 0.9});
+  EXPECT_FALSE(map.uncovered()) << "outside the region";
 }
 
 TEST(OccupancyMap, TakesNoMemory) {
@@ -253,7 +260,6 @@ TEST(OccupancyMap, TakesNoMemory) {
     for (const Vector3& end : frame.ends) map.pass(frame.from, end);
     map.centre(frame.from.x() * 4.0, 0.0);
     map.cover(OccupancyMap::Kind::kOccupied, {{0, 0, 0}, map.cells()}, boxes);
-    map.covers_fresh(boxes, {{0, 0, 0}, map.cells()});
   }
   EXPECT_EQ(guard.count(), 0);
 }

@@ -1,9 +1,12 @@
 #include "world/sensing/depth.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
+#include <optional>
 
 #include "world/sensing/delay_line.h"
 
@@ -12,6 +15,30 @@ namespace {
 
 // Sensors have draws of their own, beside those of objects of any number.
 constexpr std::size_t kSensors = 1'000'000;
+
+// Errors of two rays from two draws: a pair of normals (Box & Muller), and whether each is missing. A draw has bits for
+// two numbers.
+struct PairOfErrors {
+  double normal[2];
+  bool missing[2];
+
+  PairOfErrors(Draws& draws, double share_missing) {
+    const auto [of_radius, of_angle] = two(draws.uniform());
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - of_radius));  // of a number in (0, 1]
+    const double angle = 2.0 * std::numbers::pi * of_angle;
+    normal[0] = radius * std::cos(angle);
+    normal[1] = radius * std::sin(angle);
+    const auto [first, second] = two(draws.uniform());
+    missing[0] = first < share_missing;
+    missing[1] = second < share_missing;
+  }
+
+ private:
+  static std::array<double, 2> two(double uniform) {
+    const double both = uniform * 0x1p26, first = std::floor(both);
+    return {first * 0x1p-26, both - first};
+  }
+};
 
 }  // namespace
 
@@ -64,6 +91,7 @@ void DepthSensing::measure(const RayView& view, Draws draws, VectorX& ranges) co
   const double height = X_WC.translation().z();
   const Vector3 down_C = -X_WC.linear().row(2).transpose();
   const bool exact = errors_ == RangeErrors{};
+  std::optional<PairOfErrors> errors;
   for (Eigen::Index i = 0; i < ranges.size(); ++i) {
     const auto ray = static_cast<std::size_t>(i);
     double r = view.distances()[ray];
@@ -72,10 +100,9 @@ void DepthSensing::measure(const RayView& view, Draws draws, VectorX& ranges) co
     if (!(r <= view.range())) r = std::numeric_limits<double>::infinity();
     if (!exact) {
       // As many draws for each ray, so that no ray's errors depend on what another one met.
-      const bool missing = draws.uniform() < errors_.missing;
-      const double error = draws.normal(0.0, 1.0);
-      if (std::isfinite(r)) r = std::max(0.0, r + (errors_.noise + errors_.growth * r * r) * error);
-      if (missing) r = 0.0;
+      if (ray % 2 == 0) errors.emplace(draws, errors_.missing);
+      if (std::isfinite(r)) r = std::max(0.0, r + (errors_.noise + errors_.growth * r * r) * errors->normal[ray % 2]);
+      if (errors->missing[ray % 2]) r = 0.0;
     }
     ranges[i] = r;
   }
