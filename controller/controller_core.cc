@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "controller/ahead/lookahead.h"
+#include "controller/lookahead/lookahead.h"
 #include "controller/model/base_kind.h"
 
 namespace moma {

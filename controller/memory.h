@@ -1,7 +1,7 @@
 #pragma once
 
-#include "controller/ahead/plan_state.h"
 #include "controller/escape_state.h"
+#include "controller/lookahead/plan_state.h"
 #include "controller/safe/prediction_memory.h"
 #include "controller/step.h"
 

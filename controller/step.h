@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "controller/ahead/plan_brief.h"
 #include "controller/escape_state.h"
+#include "controller/lookahead/plan_brief.h"
 #include "controller/model/proximity.h"
 #include "controller/status.h"
 #include "controller/types.h"

@@ -82,13 +82,6 @@ std::string_view what_it_is(std::string_view text) {
 
 }  // namespace
 
-bool is_store(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string head(72, '\0');
-  in.read(head.data(), 72);
-  return in && begins_like_store(head);
-}
-
 void check_replace(const fs::path& file, const Kind& kind, Replace replace) {
   const fs::path place = behind_links(file);
   std::error_code error;

@@ -32,9 +32,6 @@ enum class Replace {
 /// Throws std::filesystem::filesystem_error if a link cannot be read.
 std::filesystem::path behind_links(const std::filesystem::path& file);
 
-/// True if the file begins like an SQLite database of moma's.
-bool is_store(const std::filesystem::path& file);
-
 /// Throws OutputError if `file` is a folder, or exists and may not be replaced by a file of `kind`, with its name, its
 /// kind and the remedy. For commands that compute before they write; write_file() checks as well.
 void check_replace(const std::filesystem::path& file, const Kind& kind, Replace replace);

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "controller/ahead/plan_state.h"
 #include "controller/config/node.h"
+#include "controller/lookahead/plan_state.h"
 #include "controller/model/robot_model.h"
 
 namespace moma {

@@ -4,9 +4,9 @@
 #include <limits>
 #include <string_view>
 
-#include "controller/ahead/choice.h"
-#include "controller/ahead/lookahead.h"
 #include "controller/case/formatted.h"
+#include "controller/lookahead/choice.h"
+#include "controller/lookahead/lookahead.h"
 
 namespace moma {
 namespace {

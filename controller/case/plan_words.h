@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "controller/ahead/plan_brief.h"
 #include "controller/case/case_file.h"
+#include "controller/lookahead/plan_brief.h"
 
 namespace moma {
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "controller/ahead/lookahead.h"
 #include "controller/case/case_step.h"
 #include "controller/case/plan_case.h"
 #include "controller/config/write_described.h"
+#include "controller/lookahead/lookahead.h"
 
 namespace moma {
 namespace {

@@ -10,9 +10,6 @@
 namespace moma {
 namespace {
 
-// Radius of the ball that represents a point [m].
-constexpr double kPoint = 1e-3;
-
 // A box in world axes around a placed solid: the bounding box of a box, a cylinder or a capsule (a little larger for
 // a cylinder), the cube around the ball of another.
 Eigen::AlignedBox3d box_around(const Solid& solid, const Isometry& X_WS) noexcept {
@@ -43,19 +40,6 @@ struct Proximity::Impl {
   std::span<const ObjectState> held;
   std::vector<Around> around, near;  // the held objects, and those near the robot
   std::vector<ProximityPair> pairs;
-  ConvexGeometry point = convex_geometry({ShapeKind::kSphere, {kPoint, 0.0, 0.0}, nullptr});
-
-  // A ball against any solid: by a closed form, or an iterative method for its centre.
-  Distance ball(const Vector3& centre_W, double radius, const Solid& solid, const Isometry& X_WS) noexcept {
-    const Shape sphere{ShapeKind::kSphere, {radius, 0.0, 0.0}, nullptr};
-    Isometry X_WC = Isometry::Identity();
-    X_WC.translation() = centre_W;
-    if (const auto exact = analytic_distance(sphere, X_WC, solid.shape, X_WS)) return *exact;
-    Distance distance = convex->distance(point, X_WC, solid.geometry, X_WS);
-    distance.d -= radius - kPoint;
-    distance.p_first_W -= (radius - kPoint) * distance.n_W;
-    return distance;
-  }
 
   // Returns the distance if it is less than `range`, after cheap lower bounds.
   std::optional<Distance> within(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb,
@@ -221,19 +205,6 @@ std::optional<Distance> Proximity::within(PairKind kind, int first, int second, 
 double Proximity::least_gap(int shape, int object, const Isometry& X_WO) const noexcept {
   const auto i = static_cast<std::size_t>(shape);
   return moma::least_gap(impl_->robot[i], impl_->robot_X_WS[i], impl_->objects[static_cast<std::size_t>(object)], X_WO);
-}
-
-Distance Proximity::ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept {
-  const auto i = static_cast<std::size_t>(shape);
-  return impl_->ball(centre_W, radius, impl_->robot[i], impl_->robot_X_WS[i]);
-}
-
-Distance Proximity::ball_to_object(const Vector3& centre_W, double radius, int object, const Isometry& X_WO) noexcept {
-  return impl_->ball(centre_W, radius, impl_->objects[static_cast<std::size_t>(object)], X_WO);
-}
-
-const Shape& Proximity::object_shape(int object) const noexcept {
-  return impl_->objects[static_cast<std::size_t>(object)].shape;
 }
 
 bool is_pose(const Isometry& X) noexcept {

@@ -113,12 +113,6 @@ class Proximity {
   /// Cheap lower bound, up to rounding, of the distance of a pair with an object.
   double least_gap(int shape, int object, const Isometry& X_WO) const noexcept;
 
-  /// Signed distance from a robot shape, or from an object at X_WO, to a ball: `first` is the ball in both. The robot's
-  /// shapes are those of the last query().
-  Distance ball_to_robot(const Vector3& centre_W, double radius, int shape) noexcept;
-  Distance ball_to_object(const Vector3& centre_W, double radius, int object, const Isometry& X_WO) noexcept;
-  const Shape& object_shape(int object) const noexcept;
-
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

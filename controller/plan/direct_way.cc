@@ -171,7 +171,7 @@ void DirectWay::seed(End& end) noexcept {
   const double stand = std::min(from.norm(), draws_.uniform(p.near, p.far));
   const double angle = std::atan2(from.y(), from.x()) + draws_.uniform(-p.aside, p.aside);
   c.head<2>() = goal + stand * Vector2(std::cos(angle), std::sin(angle));
-  head_along(limits_, start_.c, SteeredDrive::kThere, c);
+  head_along(limits_, start_.c, SteeredDrive::kReached, c);
 }
 
 // Moves a try to a configuration with E at the goal that the base can reach. False if there is none.

@@ -59,7 +59,7 @@ void PassingWay::seed(Try& a) noexcept {
   const double along = std::clamp((c.head<2>() - start).dot(way) / std::max(way.squaredNorm(), 1e-9), 0.0, 1.0);
   const Vector2 aside(draws_.uniform(-p.far, p.far), draws_.uniform(-p.far, p.far));
   c.head<2>() += scale * (0.5 * aside + draws_.uniform() * (start + along * way - c.head<2>()));
-  head_along(limits_, start_.c, SteeredDrive::kThere, c);
+  head_along(limits_, start_.c, SteeredDrive::kReached, c);
   a.drive.reach = draws_.uniform(kLeastReach, p.pass_reach);
   a.drive.speed = limits_.linear * std::min(1.0, draws_.uniform(0.1, 1.5));
 }

@@ -131,7 +131,7 @@ constexpr void describe(auto& v, Of<FollowParams>) {
   v.member("to_end", &T::to_end, {.text = "a path of less than plan.clearance is followed to its end"});
 }
 
-/// Decisions of the look-ahead (ahead/lookahead.h): when it predicts, chooses, follows, and gives a path up.
+/// Decisions of the look-ahead (lookahead/lookahead.h): when it predicts, chooses, follows, and gives a path up.
 struct DecisionParams {
   double standing = 0.1;
   double stop_time = 1.0, set_out_time = 0.25, choice_time = 1.8;
@@ -189,8 +189,8 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("share", &T::share, in_range({0.0, 1.0}, "1", "share of the path's clearance that is asked then"));
 }
 
-/// Look-ahead (controller/ahead): the controller predicts its own motion, and plans for base and arm if it would stop
-/// short of the goal. Work is counted in checks; one check computes one configuration's distances.
+/// Look-ahead (controller/lookahead): the controller predicts its own motion, and plans for base and arm if it would
+/// stop short of the goal. Work is counted in checks; one check computes one configuration's distances.
 struct PlanParams {
   bool enabled = false;
   int budget = 600;

@@ -30,7 +30,7 @@ bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const V
   speeds[0] = now;
   Vector3 at = from;
   const Vector2 first = point - from.head<2>();
-  bool there = passing == nullptr && first.norm() < kThere;
+  bool there = passing == nullptr && first.norm() < kReached;
   const double direction = std::cos(from.z()) * first.x() + std::sin(from.z()) * first.y() < 0.0 ? -1.0 : 1.0;
   double v = direction * now[0], omega = now[1];  // v along the driving direction
   int steps = 0;
@@ -44,7 +44,7 @@ bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const V
     if (passing != nullptr && (distance < passing->reach || steps * kStep >= passing->until)) break;
     const Vector2 heading = direction * Vector2(std::cos(at.z()), std::sin(at.z()));
     const double along = heading.dot(to), across = heading.x() * to.y() - heading.y() * to.x();
-    there = there || (passing == nullptr && (distance < kThere || (distance < kAhead && along <= 0.0)));
+    there = there || (passing == nullptr && (distance < kReached || (distance < kAhead && along <= 0.0)));
     double wanted = 0.0, turn = 0.0;
     if (!there) {
       const double off = std::atan2(across, along);

@@ -20,7 +20,7 @@ class SteeredDrive {
   static constexpr int kNodes = 38;
   static constexpr double kMostTime = 10.0;  ///< [s]
   static constexpr double kOfACheck = 0.8;   ///< a drive of so long is simulated in the time of a check [s]
-  static constexpr double kThere = 0.003;    ///< distance at which a point is reached [m]
+  static constexpr double kReached = 0.003;  ///< distance at which a point is reached [m]
 
   /// A point that is not stopped at: the drive, at `speed` at most, ends in motion nearer than `reach`, or at the time
   /// `until`.

@@ -1,7 +1,7 @@
 #include "controller/policy/policy.h"
 
-#include "controller/ahead/lookahead.h"
 #include "controller/closed_form/closed_form.h"
+#include "controller/lookahead/lookahead.h"
 #include "controller/model/base_kind.h"
 #include "controller/task/escape.h"
 #include "controller/task/servo.h"
@@ -27,7 +27,7 @@ class ServoPolicy final : public Policy {
   PolicyParts parts_;
 };
 
-// Looking ahead (ahead/lookahead.h): the velocities of a path while the robot follows one, the servo otherwise.
+// Looking ahead (lookahead/lookahead.h): the velocities of a path while the robot follows one, the servo otherwise.
 class PathPolicy final : public Policy {
  public:
   explicit PathPolicy(const PolicyParts& parts) : parts_(parts), servo_(parts) {}

@@ -188,9 +188,9 @@ void add_risk(Commands& commands) {
                   fmt::format("Largest number of replicates ({})", options.request.most))
       ->check(CLI::Range(2, 1000000))
       ->needs("--until");
-  command.add_option(
-      "--crude", options.request.crude,
-      "Crude trials of each family to compare with, the first worlds among them (as many as splitting took)");
+  command.add_option("--crude", options.request.crude,
+                     "Crude trials of each family to compare with; the first worlds of the particles always count (as "
+                     "many as splitting took)");
   add_moved_trials_store(command, options.request.file);
   add_threads(command, options.request.threads);
   add_lost_after(command, options.lost_after);

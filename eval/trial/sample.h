@@ -4,9 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include "controller/ahead/plan_brief.h"
 #include "controller/describe/describe.h"
 #include "controller/escape_state.h"
+#include "controller/lookahead/plan_brief.h"
 #include "controller/status.h"
 
 namespace moma {

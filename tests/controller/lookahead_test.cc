@@ -1,11 +1,11 @@
 // Rollouts against a plant of its own, choices against what they lead to, and what a step may cost and depend on.
-#include "controller/ahead/lookahead.h"
+#include "controller/lookahead/lookahead.h"
 
 #include <gtest/gtest.h>
 
-#include "controller/ahead/choice.h"
 #include "controller/config/controller_file.h"
 #include "controller/config/node.h"
+#include "controller/lookahead/choice.h"
 #include "tests/controller/plan_scenes.h"
 #include "tests/support/control_period.h"
 #include "tests/support/no_alloc.h"

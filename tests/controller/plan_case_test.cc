@@ -5,11 +5,11 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "controller/ahead/lookahead.h"
 #include "controller/case/case_step.h"
 #include "controller/case/plan_words.h"
 #include "controller/case/solve.h"
 #include "controller/controller_core.h"
+#include "controller/lookahead/lookahead.h"
 #include "tests/controller/case_text.h"
 #include "tests/controller/plan_scenes.h"
 #include "tests/support/filled.h"

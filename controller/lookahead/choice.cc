@@ -1,9 +1,9 @@
-#include "controller/ahead/choice.h"
+#include "controller/lookahead/choice.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "controller/ahead/rollout.h"
+#include "controller/lookahead/rollout.h"
 
 namespace moma {
 namespace {

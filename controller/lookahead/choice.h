@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "controller/ahead/plan_brief.h"
+#include "controller/lookahead/plan_brief.h"
 #include "controller/params.h"
 #include "controller/plan/direct_way.h"
 #include "controller/plan/planner.h"

@@ -1,4 +1,4 @@
-#include "controller/ahead/rollout.h"
+#include "controller/lookahead/rollout.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "controller/ahead/plan_brief.h"
+#include "controller/lookahead/plan_brief.h"
 #include "controller/plan/path.h"
 
 namespace moma {

@@ -1,4 +1,4 @@
-#include "controller/ahead/lookahead.h"
+#include "controller/lookahead/lookahead.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "controller/ahead/path_watch.h"
+#include "controller/lookahead/path_watch.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,10 +5,10 @@
 #include <span>
 #include <variant>
 
-#include "controller/ahead/choice.h"
-#include "controller/ahead/path_watch.h"
-#include "controller/ahead/plan_state.h"
-#include "controller/ahead/rollout.h"
+#include "controller/lookahead/choice.h"
+#include "controller/lookahead/path_watch.h"
+#include "controller/lookahead/plan_state.h"
+#include "controller/lookahead/rollout.h"
 #include "controller/plan/follow.h"
 #include "controller/qp/limits.h"
 
