@@ -14,7 +14,7 @@ namespace description {
 template <class Aggregate>
 struct AnyMember {
   template <class M>
-  requires(!std::same_as<std::remove_cvref_t<M>, Aggregate>) constexpr operator M() const noexcept;
+  requires(!std::same_as<std::remove_cvref_t<M>, Aggregate>) operator M() const noexcept;
 };
 
 template <class T, class Indices>

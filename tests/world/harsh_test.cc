@@ -161,20 +161,20 @@ TEST(Odometry, SlipsAsOftenAndAsFarAsItSays) {
   Odometry odometry(errors, DisturbanceStreams(world, 0));
   ASSERT_TRUE(odometry.on());
   constexpr long kSteps = 20000;
-  constexpr double kStep = 0.01;
+  constexpr double kInterval = 0.01;
   double last = 0.0, squares = 0.0;
   int slips = 0;
   for (long k = 0; k <= kSteps; ++k) {
-    const Vector3 seen = odometry.update(k, {kStep * static_cast<double>(k), 0.0, 0.0});
+    const Vector3 seen = odometry.update(k, {kInterval * static_cast<double>(k), 0.0, 0.0});
     EXPECT_EQ(seen.y(), 0.0);
     EXPECT_EQ(seen.z(), 0.0);
-    if (k > 0 && std::abs(seen.x() - last - kStep) > 1e-9) {
+    if (k > 0 && std::abs(seen.x() - last - kInterval) > 1e-9) {
       ++slips;
-      squares += (seen.x() - last - kStep) * (seen.x() - last - kStep);
+      squares += (seen.x() - last - kInterval) * (seen.x() - last - kInterval);
     }
     last = seen.x();
   }
-  const double p = 1.0 - std::exp(-2.0 * kStep), expected = p * kSteps;
+  const double p = 1.0 - std::exp(-2.0 * kInterval), expected = p * kSteps;
   EXPECT_NEAR(slips, expected, 5.0 * std::sqrt(expected * (1.0 - p)));
   EXPECT_NEAR(std::sqrt(squares / slips), 0.05, 5.0 * 0.05 / std::sqrt(2.0 * slips));
 }
@@ -395,14 +395,14 @@ TEST(Actuation, LagsAsAFirstOrderSystem) {
     const VectorX applied = drives.act(k, command_of(w, 0.0, w_joint));
     double way_base = 0.0, way_joint = 0.0;
     constexpr int kSteps = 4000;
-    constexpr double kStep = kPeriod / kSteps;
+    constexpr double kInterval = kPeriod / kSteps;
     for (int i = 0; i < kSteps; ++i) {  // the midpoint rule
-      const double base_mid = base + 0.5 * kStep * (w - base) / kBaseLag;
-      const double joint_mid = joint + 0.5 * kStep * (w_joint - joint) / kJointLag;
-      way_base += kStep * base_mid;
-      way_joint += kStep * joint_mid;
-      base += kStep * (w - base_mid) / kBaseLag;
-      joint += kStep * (w_joint - joint_mid) / kJointLag;
+      const double base_mid = base + 0.5 * kInterval * (w - base) / kBaseLag;
+      const double joint_mid = joint + 0.5 * kInterval * (w_joint - joint) / kJointLag;
+      way_base += kInterval * base_mid;
+      way_joint += kInterval * joint_mid;
+      base += kInterval * (w - base_mid) / kBaseLag;
+      joint += kInterval * (w_joint - joint_mid) / kJointLag;
     }
     EXPECT_NEAR(applied[0] * kPeriod, way_base, 1e-9) << k;
     EXPECT_EQ(applied[1], 0.0);

@@ -41,10 +41,10 @@ Vector3 nearest_in(const Shape& shape, const Isometry& X_WS, const Vector3& p_W)
 
 /// True if alternating projections from p_W find a common point of both solids, which never happens if they are apart.
 bool share_a_point(const Shape& A, const Isometry& X_WA, const Shape& B, const Isometry& X_WB, Vector3 p_W) {
-  constexpr int kIterations = 500;
+  constexpr int kMostIterations = 500;
   constexpr double kSame = 1e-12;  // [m]
   if (A.kind == ShapeKind::kConvex || B.kind == ShapeKind::kConvex) return false;
-  for (int i = 0; i < kIterations; ++i) {
+  for (int i = 0; i < kMostIterations; ++i) {
     const Vector3 a = nearest_in(A, X_WA, p_W);
     p_W = nearest_in(B, X_WB, a);
     if ((a - p_W).norm() < kSame) return true;
