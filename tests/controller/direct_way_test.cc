@@ -36,6 +36,20 @@ Extremes extremes(const Path& path) {
   return most;
 }
 
+constexpr double kDifferences = 1.0 + 1e-4;  // a limit, with the error of differences
+
+// Joints and the base's turn.
+void expect_within(const MotionLimits& limits, const Extremes& most, std::uint64_t seed) {
+  for (int i = 0; i < limits.num_joints(); ++i) {
+    EXPECT_LE(most.speed[3 + i], kDifferences * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
+    EXPECT_LE(most.acceleration[3 + i], kDifferences * limits.joint_acceleration[i])
+        << "joint " << i << ", seed " << seed;
+  }
+  if (!limits.mobile()) return;
+  EXPECT_LE(most.speed[2], kDifferences * limits.angular) << "seed " << seed;
+  EXPECT_LE(most.acceleration[2], kDifferences * limits.angular_acceleration) << "seed " << seed;
+}
+
 class Drives : public testing::TestWithParam<double> {};
 
 INSTANTIATE_TEST_SUITE_P(WheelSpeeds, Drives, testing::Values(20.0, 11.0),
@@ -227,18 +241,12 @@ TEST_P(DirectWayOf, WaysAreFreeAndLeadToTheGoalWithinLimits) {
     EXPECT_LT(log_so3(kinematics.X_WE().linear() * scene.X_WG.linear().transpose()).norm(), 2e-3);
 
     const Extremes most = extremes(path);
-    constexpr double kMore = 1.0 + 1e-4;
-    for (int i = 0; i < joints; ++i) {
-      EXPECT_LE(most.speed[3 + i], kMore * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
-      EXPECT_LE(most.acceleration[3 + i], kMore * limits.joint_acceleration[i]) << "joint " << i << ", seed " << seed;
-    }
+    expect_within(limits, most, seed);
     if (model->mobile()) {
-      EXPECT_LE(most.speed[2], kMore * limits.angular);
-      EXPECT_LE(most.acceleration[2], kMore * limits.angular_acceleration);
-      EXPECT_LE(most.speed.head<2>().maxCoeff(), kMore * limits.linear);
+      EXPECT_LE(most.speed.head<2>().maxCoeff(), kDifferences * limits.linear);
     }
     if (model->mobile() && !limits.base->nonholonomic()) {  // the others: Drives
-      EXPECT_LE(most.acceleration.head<2>().maxCoeff(), kMore * limits.linear_acceleration);
+      EXPECT_LE(most.acceleration.head<2>().maxCoeff(), kDifferences * limits.linear_acceleration);
     }
   }
   EXPECT_GE(found, 4) << "too few to say anything";
@@ -354,16 +362,7 @@ TEST_P(DirectWayOf, PassesAGoalOnItsWayToTheNextOne) {
       least = std::min(least, object_clearance(*model, kinematics, scene));
     }
     EXPECT_GT(least, path.clearance - 0.01) << "seed " << seed;
-    const Extremes most = extremes(path);
-    constexpr double kMore = 1.0 + 1e-4;
-    for (int i = 0; i < joints; ++i) {
-      EXPECT_LE(most.speed[3 + i], kMore * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
-      EXPECT_LE(most.acceleration[3 + i], kMore * limits.joint_acceleration[i]) << "joint " << i << ", seed " << seed;
-    }
-    if (model->mobile()) {
-      EXPECT_LE(most.speed[2], kMore * limits.angular);
-      EXPECT_LE(most.acceleration[2], kMore * limits.angular_acceleration);
-    }
+    expect_within(limits, extremes(path), seed);
     scene.start = pass;
     scene.X_WG = other.X_WG;
     next.reset();
