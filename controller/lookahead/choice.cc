@@ -80,11 +80,6 @@ void Choice::put(const MotionState& motion, Observation& o) const noexcept {
   o.qdot[base - 1] = motion.v[2];
 }
 
-const Isometry* Choice::goal_after(const Observation& o) const noexcept {
-  const bool passes = lets_pass_ && !o.goal.stop && o.next && o.next->V_WG_W.norm() <= kAtRest;
-  return passes ? &o.next->X_WG : nullptr;
-}
-
 void Choice::begin(const Observation& from, double direct_time, int number, bool plans) noexcept {
   copy_observation(from, from_);
   verdict_ = {.kind = PlanKind::kPolicy, .tried = 1, .policy = direct_time};

@@ -30,10 +30,6 @@ class Choice {
 
   /// Sets the axes of the goal, for a goal with free directions, whose pose in an observation is the nearest one.
   void set_goal_axes(const Matrix3& R_WG) noexcept { R_WG_ = R_WG; }
-  /// Lets ways pass through goals that need not be stopped at, on to the next ones.
-  void let_pass(bool passes) noexcept { lets_pass_ = passes; }
-  /// Returns the next goal if a way may pass through the present one to it; null otherwise.
-  const Isometry* goal_after(const Observation& o) const noexcept;
   /// Begins a choice that takes effect at `from`, where the direct policy needs `direct_time` seconds (negative: it
   /// fails). `number` counts choices from 1 and seeds the draws of a plan. Without `plans` only a direct way counts.
   void begin(const Observation& from, double direct_time, int number, bool plans = true) noexcept;
@@ -69,7 +65,6 @@ class Choice {
   DirectWay direct_way_;
   Planner planner_;
 
-  bool lets_pass_ = true;
   bool done_ = true;
   bool plans_paths_ = true, on_way_ = false, direct_ = false;
   Observation from_;

@@ -183,13 +183,8 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
     const PlanarShift shift = shift_of_goal(mobile_ && is_whole(o.goal), path.X_WG, state_.X_WG);
     const bool onward = on_path && path.passes() && !jumped(params_.decisions, path.X_WN, shift.back(o.goal.X_WG));
     state_.missed = false;
-    if (onward) {
-      path.X_WG = shift.back(o.goal.X_WG);
-      path.pass = kInfinity;
-      *on_path = {0, state_.brief.clock};
-      job_ = Job::kNone;
-    } else if (on_path && !stands && params_.direct > 0 && !(path.kept_at_goal < path.clearance)) {
-      state_.former = true;  // it stays on the path until a way on is known
+    if (onward || (on_path && !stands && params_.direct > 0 && !(path.kept_at_goal < path.clearance))) {
+      state_.former = !onward;  // it stays on the path until a way on is known
       path.X_WG = shift.back(o.goal.X_WG);
       path.pass = kInfinity;
       *on_path = {0, state_.brief.clock};
@@ -202,7 +197,6 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   }
   state_.X_WG = o.goal.X_WG;
   state_.has_goal = true;
-  choice_.let_pass(!state_.missed);
   int known = 0;
   bool movers = false;
   for (const ObjectState& object : o.objects) {
@@ -332,7 +326,6 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
     // The path leads away from a goal that it has missed.
     state_.missed = state_.former = true;
     path.pass = kInfinity;
-    choice_.let_pass(false);
     job_ = Job::kNone;
   }
   const double rest = path.arrival() - state_.brief.clock;
@@ -371,6 +364,17 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
     stop(PlanReason::kNoProgress, -1.0);
 }
 
+// Sets the state in which a choice takes effect to where the path has the robot after `ahead` of its clock.
+void Lookahead::look_ahead_on_path(const Observation& o, double ahead) noexcept {
+  way_from_ = state_.brief.clock + ahead;
+  MotionState later;
+  state_.path.at(way_from_, later.c);
+  state_.path.velocity(way_from_, 0.5 * dt_, later.v);
+  later.v *= rate_;
+  copy_observation(o, later_);
+  choice_.put(shift_.of(later), later_);
+}
+
 // Makes a choice for where the path has the robot in a moment, between the `rest` of the path and what is quicker, and
 // goes over to that. A path to a former goal has no rest that counts, and the first direct way does. True if it goes
 // over, or has to work on.
@@ -379,13 +383,7 @@ bool Lookahead::work_way(const Observation& o, double rest, long& budget) noexce
   if (job_ != Job::kSetOut) {
     const double ahead = rate_ * (state_.former ? params_.decisions.way_ahead : goes_on());
     if (params_.direct == 0 || traffic_ || ahead <= 0.0 || ahead + params_.decisions.way_gain >= rest) return false;
-    way_from_ = brief.clock + ahead;
-    MotionState later;
-    state_.path.at(way_from_, later.c);
-    state_.path.velocity(way_from_, 0.5 * dt_, later.v);
-    later.v *= rate_;
-    copy_observation(o, later_);
-    choice_.put(shift_.of(later), later_);
+    look_ahead_on_path(o, ahead);
     const double left = state_.former ? -1.0 : rest - ahead - params_.decisions.way_gain;
     choice_.begin(later_, left, state_.former ? brief.attempts : ++brief.attempts, !state_.former);
     job_ = Job::kSetOut;

@@ -84,6 +84,7 @@ class Lookahead {
   void place_end() noexcept;
   void follow(const Observation& o, Following& following) noexcept;
   void work_set_out(const Observation& o, long& budget) noexcept;
+  void look_ahead_on_path(const Observation& o, double ahead) noexcept;
   bool work_way(const Observation& o, double rest, long& budget) noexcept;
   bool work_onward(const Observation& o, long& budget) noexcept;
   bool begin_onward(const Observation& o) noexcept;

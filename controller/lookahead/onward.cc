@@ -12,8 +12,8 @@ namespace moma {
 bool Lookahead::work_onward(const Observation& o, long& budget) noexcept {
   if (job_ == Job::kNone) {
     const bool close = state_.path.kept_at_goal < state_.path.clearance;
-    if (choice_.goal_after(o) == nullptr || !is_whole(o.goal) || !is_whole(*o.next) || close || traffic_ ||
-        state_.steps < state_.next_onward)
+    const bool may_pass = !state_.missed && !o.goal.stop && o.next && o.next->V_WG_W.norm() <= kAtRest;
+    if (!may_pass || !is_whole(o.goal) || !is_whole(*o.next) || close || traffic_ || state_.steps < state_.next_onward)
       return false;
     state_.next_onward = state_.steps + periods(params_.period);
     return state_.path.passes() ? begin_pass(o) : begin_onward(o);
@@ -55,16 +55,10 @@ bool Lookahead::append_onward(long& budget) noexcept {
 bool Lookahead::begin_pass(const Observation& o) noexcept {
   const Path& path = state_.path;
   const double ahead = rate_ * params_.decisions.pass_ahead;
-  way_from_ = state_.brief.clock + ahead;
-  if (params_.direct_way.pass_tries == 0 || ahead <= 0.0 || way_from_ >= path.pass) return false;
-  MotionState later;
+  if (params_.direct_way.pass_tries == 0 || ahead <= 0.0 || state_.brief.clock + ahead >= path.pass) return false;
+  look_ahead_on_path(o, ahead);
   WholeConfiguration pass;
-  path.at(way_from_, later.c);
-  path.velocity(way_from_, 0.5 * dt_, later.v);
-  later.v *= rate_;
   path.at(path.pass, pass);
-  copy_observation(o, later_);
-  choice_.put(shift_.of(later), later_);
   choice_.direct_way().begin_passing(choice_.motion_of(later_), o.goal.X_WG, o.next->X_WG, shift_.of(pass),
                                      path.duration - way_from_ - params_.decisions.way_gain, o.objects);
   job_ = Job::kPass;

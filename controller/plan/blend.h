@@ -36,9 +36,8 @@ struct Glide {
 };
 
 /// Returns a quick one that takes at least `least` seconds, over a few times of rising and falling: with x = b.c - a.c,
-/// the middle velocity is w = (x - rise/2 a.v - fall/2 b.v)/(time - (rise + fall)/2), and |w| keeps the speeds, |w -
-/// a.v|
-/// <= rise times and |w - b.v| <= fall times the accelerations. The time is infinite if there is none.
+/// the middle velocity is w = (x - rise/2 a.v - fall/2 b.v)/(time - (rise + fall)/2). |w| keeps the speeds, |w - a.v|
+/// is at most rise and |w - b.v| at most fall times the accelerations. The time is infinite if there is none.
 Glide quick_glide(const MotionLimits& limits, Moves moves, const MotionState& a, const MotionState& b,
                   double least) noexcept;
 

@@ -201,9 +201,7 @@ bool DirectWay::make(End& end) noexcept {
 }
 
 bool DirectWay::drive_to(const End& end) noexcept {
-  const double cs = std::cos(start_.c[2]), sn = std::sin(start_.c[2]);
-  const Vector2 speeds(cs * start_.v[0] + sn * start_.v[1], start_.v[2]);
-  const bool reached = drive_.plan(limits_, start_.c.head<3>(), speeds, end.point);
+  const bool reached = drive_.plan(limits_, start_.c.head<3>(), driving_speeds(start_), end.point);
   space_.charge(static_cast<long>(drive_.time() / SteeredDrive::kOfACheck));
   return reached;
 }

@@ -160,9 +160,7 @@ bool PassingWay::hold_hand(MotionState& pass) noexcept {
 }
 
 bool PassingWay::drive(const Try& a) noexcept {
-  const double cs = std::cos(start_.c[2]), sn = std::sin(start_.c[2]);
-  const Vector2 speeds(cs * start_.v[0] + sn * start_.v[1], start_.v[2]);
-  const bool reached = drive_.plan(limits_, start_.c.head<3>(), speeds, a.via, &a.drive);
+  const bool reached = drive_.plan(limits_, start_.c.head<3>(), driving_speeds(start_), a.via, &a.drive);
   space_.charge(static_cast<long>(drive_.time() / SteeredDrive::kOfACheck));
   return reached;
 }
@@ -173,9 +171,7 @@ double PassingWay::time_on(const MotionState& pass) noexcept {
   const Vector2 way = X_WN_.translation().head<2>() - pass.c.head<2>();
   const double length = std::max(0.0, way.norm() - kStand);
   if (limits_.base->lateral()) return length / limits_.linear;
-  const double cs = std::cos(pass.c[2]), sn = std::sin(pass.c[2]);
-  drive_.plan(limits_, pass.c.head<3>(), {cs * pass.v[0] + sn * pass.v[1], pass.v[2]},
-              pass.c.head<2>() + length * way.normalized());
+  drive_.plan(limits_, pass.c.head<3>(), driving_speeds(pass), pass.c.head<2>() + length * way.normalized());
   space_.charge(static_cast<long>(drive_.time() / SteeredDrive::kOfACheck));
   return drive_.time();
 }

@@ -1,10 +1,16 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "controller/plan/path.h"
 
 namespace moma {
+
+/// Speeds (v, omega) of a differential base in a motion whose velocities are in W [m/s, rad/s].
+inline Vector2 driving_speeds(const MotionState& motion) noexcept {
+  return {std::cos(motion.c[2]) * motion.v[0] + std::sin(motion.c[2]) * motion.v[1], motion.v[2]};
+}
 
 /// A differential base's drive to a point, from its present speeds to rest. The base turns to the point while it
 /// drives, instead of turning on the spot first, and keeps the heading with which it arrives:
