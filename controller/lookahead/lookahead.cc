@@ -80,7 +80,7 @@ void Lookahead::set_state(const PlanState& state) noexcept {
 // when it was planned, and where motions overlap it has half its clearance.
 KeptDistance Lookahead::keeps() const noexcept {
   const Path& path = state_.path;
-  if (state_.brief.mode != PlanMode::kFollow || !(path.kept_at_goal < path.clearance)) return {};
+  if (state_.brief.mode != PlanMode::kFollow || !path.close()) return {};
   const double part = params_.follow.kept;
   return {part * path.kept_at_goal, part * slope_, state_.X_WG.translation(), part * path.clearance};
 }
@@ -183,7 +183,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
     const PlanarShift shift = shift_of_goal(mobile_ && is_whole(o.goal), path.X_WG, state_.X_WG);
     const bool onward = on_path && path.passes() && !jumped(params_.decisions, path.X_WN, shift.back(o.goal.X_WG));
     state_.missed = false;
-    if (onward || (on_path && !stands && params_.direct > 0 && !(path.kept_at_goal < path.clearance))) {
+    if (onward || (on_path && !stands && params_.direct > 0 && !path.close())) {
       state_.former = !onward;  // it stays on the path until a way on is known
       path.X_WG = shift.back(o.goal.X_WG);
       path.pass = kInfinity;
@@ -347,14 +347,12 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   const bool direct = state_.brief.reason == PlanReason::kDirectWay;
   const bool tight = params_.follow.to_end && state_.path.clearance < params_.clearance;
   // Another path to the goal would need a way on from there again.
-  constexpr double kTimeToPlanOn = 1.5;  // [s]
-  const bool late = path.passes() && rest < kTimeToPlanOn;
+  const bool late = path.passes() && rest < params_.decisions.pass_rest;
   const bool due = !direct && !tight && !late && (state_.steps >= state_.next || news_);
   const bool may_go_on = job_ == Job::kNone || job_ == Job::kGoOn || job_ == Job::kPass;
   if (may_go_on && !stuck() && work_onward(o, budget)) return;
   if (job_ == Job::kNone && !due && !stuck()) return;
-  const bool close = state_.path.kept_at_goal < state_.path.clearance;
-  if (job_ != Job::kPredict && !close && !stuck() && work_way(o, rest, budget)) return;
+  if (job_ != Job::kPredict && !path.close() && !stuck() && work_way(o, rest, budget)) return;
   const double arrival = rest + params_.settle;
   if (!predict(o, EscapeState{}, std::min(params_.horizon, arrival), budget)) return;
   state_.next = state_.steps + periods(params_.period);
@@ -464,8 +462,8 @@ bool Lookahead::stuck() noexcept {
 }
 
 bool Lookahead::at_end() noexcept {
-  const bool close = state_.path.kept_at_goal < state_.path.clearance;
-  return state_.brief.lag < (close ? params_.decisions.arrived_close : params_.decisions.arrived) || stuck();
+  const DecisionParams& decisions = params_.decisions;
+  return state_.brief.lag < (state_.path.close() ? decisions.arrived_close : decisions.arrived) || stuck();
 }
 
 // If nothing arrives, the direct policy goes on; its memory of detours is cleared if a path was left for the choice.

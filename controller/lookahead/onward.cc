@@ -11,9 +11,9 @@ namespace moma {
 // that passes the goal without a stop. True while there is work.
 bool Lookahead::work_onward(const Observation& o, long& budget) noexcept {
   if (job_ == Job::kNone) {
-    const bool close = state_.path.kept_at_goal < state_.path.clearance;
     const bool may_pass = !state_.missed && !o.goal.stop && o.next && o.next->V_WG_W.norm() <= kAtRest;
-    if (!may_pass || !is_whole(o.goal) || !is_whole(*o.next) || close || traffic_ || state_.steps < state_.next_onward)
+    if (!may_pass || !is_whole(o.goal) || !is_whole(*o.next) || state_.path.close() || traffic_ ||
+        state_.steps < state_.next_onward)
       return false;
     state_.next_onward = state_.steps + periods(params_.period);
     return state_.path.passes() ? begin_pass(o) : begin_onward(o);
@@ -40,7 +40,7 @@ bool Lookahead::append_onward(long& budget) noexcept {
   if (choice_.advance(budget)) return true;
   job_ = Job::kNone;
   Path on = choice_.path();
-  if (choice_.verdict().kind != PlanKind::kPath || on.kept_at_goal < on.clearance) return false;
+  if (choice_.verdict().kind != PlanKind::kPath || on.close()) return false;
   for (PathPart& part : std::span(on.motions).first(static_cast<std::size_t>(on.count)))
     part.change = shift_.turned_back(part.change);
   if (!state_.path.append(state_.brief.clock, on, shift_.back(later_.goal.X_WG))) return false;

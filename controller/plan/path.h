@@ -36,6 +36,8 @@ struct Path {
   Isometry X_WN = Isometry::Identity();  ///< then the goal at which it ends: the one after that
 
   bool passes() const noexcept { return pass < kInfinity; }
+  /// True if the goal is close to an object: the path keeps less than its clearance there.
+  bool close() const noexcept { return kept_at_goal < clearance; }
   /// Time at which E is at the goal [s].
   double arrival() const noexcept { return std::min(pass, duration); }
   /// Computes the configuration at time t, clamped to the path's ends. The path must have motions.

@@ -75,7 +75,7 @@ struct SearchParams {
   double off_goal = 0.0;
   double same = 0.001, same_turn = 0.002, same_goal = 0.001, same_goal_turn = 0.002;
   double beyond = 2.5, roomy_beyond = 1.5;
-  int goals = 3, effort = 16;
+  int goals = 3, effort = 16, hard = 4;
 };
 
 constexpr void describe(auto& v, Of<SearchParams>) {
@@ -110,6 +110,10 @@ constexpr void describe(auto& v, Of<SearchParams>) {
   v.member("roomy_beyond", &T::roomy_beyond, non_negative("m", "the same in the roomy tier"));
   v.member("goals", &T::goals, in_range({1.0, 100.0}, "", "goal configurations kept, in units of plan.ik_enough"));
   v.member("effort", &T::effort, in_range({1.0, 1000.0}, "", "largest factor on the work after failures"));
+  v.member("hard", &T::hard,
+           {.range = {1.0, 1000.0},
+            .written = Written::kUnlessDefault,
+            .text = "factor on the work from which the last tier keeps half as much on the way"});
 }
 
 /// Following of a path (plan/follow.h, qp/pose.h).
@@ -141,7 +145,7 @@ struct DecisionParams {
   double way_ahead = 0.12, way_gain = 0.05;
   double arrived = 0.005, arrived_close = 0.0005;
   double tolerance = 0.7;
-  double missed = 0.3, pass_ahead = 0.3;
+  double missed = 0.3, pass_ahead = 0.3, pass_rest = 1.5;
   double progress = 0.05;
   double pushed = 0.3;
   double meet = 2.0, wait = 0.5;
@@ -173,6 +177,11 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
            non_negative("s", "a way through a goal begins where the path has the robot after this time"));
   v.member("missed", &T::missed,
            non_negative("s", "time after the passing of a goal at which it counts as missed, unless the next is told"));
+  v.member("pass_rest", &T::pass_rest,
+           {.unit = "s",
+            .range = Range::non_negative(),
+            .written = Written::kUnlessDefault,
+            .text = "time to the passing of a goal within which no other path to it is looked for"});
   v.member("progress", &T::progress, non_negative("s", "advance of the path's clock that counts as progress"));
   v.member("pushed", &T::pushed, non_negative("m", "lag among moving objects at which a path is given up"));
   v.member("meet", &T::meet, positive("s", "time before meeting a moving object at which the path's clock slows down"));

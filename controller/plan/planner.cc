@@ -22,8 +22,6 @@ constexpr double kAnyLength = 1e18;
 constexpr double kOverlapped = 0.75, kShortened = 0.6;
 // Part of the joints' margins that is kept in each tier.
 constexpr std::array<double, 3> kRoom{1.0, 1.0, 0.0};
-// From this multiple of a plan's work on, after two that failed, the last tier keeps half as much on the way.
-constexpr int kHardWork = 4;
 // Distance of goals beyond the rows' stop distances, at which the robot would not arrive [m].
 constexpr double kWithinRows = 0.002;
 // Poses of a goal with free directions whose distances from objects are looked at.
@@ -111,7 +109,7 @@ void Planner::set_turn(bool stays) noexcept {
 }
 
 void Planner::set_tiers(int first) noexcept {
-  const double tight = params_.search.tight * params_.clearance / (effort_ >= kHardWork ? 2.0 : 1.0);
+  const double tight = params_.search.tight * params_.clearance / (effort_ >= params_.search.hard ? 2.0 : 1.0);
   for (int tier = first; tier < kTiers; ++tier) {
     const bool close = tier == kTiers - 1;  // as close to the goal as `at_goal` lets rows be, whatever the hand needs
     const double object = tier == 0 ? std::max(params_.roomy, params_.clearance) : close ? tight : params_.clearance;
