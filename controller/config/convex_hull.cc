@@ -209,29 +209,28 @@ bool is_hull(const ConvexHull& hull) {
          });
 }
 
-EnclosingHull enclosing_hull(const std::vector<Vector3>& cloud, int most_vertices) {
-  const auto corner = tetrahedron(cloud);
-  if (!corner) throw std::runtime_error("the points lie in one plane");
+EnclosingHull enclosing_hull(const std::vector<Vector3>& cloud, int most_vertices, std::vector<Vector3> chosen) {
   const auto hull_of = [](const Vertices& points) {
     std::optional<ConvexHull> hull = convex_hull(points);
     if (!hull) throw std::runtime_error("the points have no convex hull with at most 255 faces at each vertex");
     return *std::move(hull);
   };
-  std::vector<std::size_t> next(corner->begin(), corner->end());
-  Vertices chosen;
+  if (chosen.empty()) {
+    const auto corner = tetrahedron(cloud);
+    if (!corner) throw std::runtime_error("the points lie in one plane");
+    for (const std::size_t i : *corner) chosen.push_back(cloud[i]);
+  }
   EnclosingHull result;
   ConvexHull& inside = result.inside;
   Planes faces_of(cloud);
   std::vector<Plane> planes;
-  while (!next.empty()) {
-    for (const std::size_t i : next) chosen.push_back(cloud[i]);
-    next.clear();
+  while (true) {
     inside = hull_of(chosen);
     planes = faces_of.of(inside);
     const auto worst = std::max_element(planes.begin(), planes.end(),
                                         [](const Plane& a, const Plane& b) { return a.beyond < b.beyond; });
-    const bool more = chosen.size() < static_cast<std::size_t>(most_vertices);
-    if (more && worst->beyond > 1e-9 * faces_of.length()) next = {worst->furthest};
+    if (chosen.size() >= static_cast<std::size_t>(most_vertices) || !(worst->beyond > 1e-9 * faces_of.length())) break;
+    chosen.push_back(cloud[worst->furthest]);
   }
   std::vector<std::vector<Plane>> faces(inside.vertices.size());
   for (std::size_t f = 0; f < planes.size(); ++f)
@@ -240,6 +239,7 @@ EnclosingHull enclosing_hull(const std::vector<Vector3>& cloud, int most_vertice
   for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += shortest_way_beyond(faces[i]);
   result.hull = hull_of(moved);
   enclose(result.hull, cloud);
+  result.chosen = std::move(chosen);
   return result;
 }
 
@@ -252,25 +252,29 @@ double distance_to_triangle(const Triangle3& t, const Vector3& p) noexcept {
       {squared_to_segment(p, t[0], t[1]), squared_to_segment(p, t[1], t[2]), squared_to_segment(p, t[2], t[0])}));
 }
 
-double distance_outside(const ConvexHull& hull, const Vector3& p) noexcept {
+DistanceOutside::DistanceOutside(const ConvexHull& hull) : hull_(hull) {
   const double length = length_of(hull.vertices);
-  const double rounding = 1e-9 * length;
+  rounding_ = 1e-9 * length;
+  for (const Eigen::Vector3i& t : hull.triangles) normals_.push_back(face_normal(corners(hull, t), length));
+}
+
+double DistanceOutside::of(const Vector3& p) const noexcept {
   double least = std::numeric_limits<double>::infinity();
   bool outside = false;
-  for (const Eigen::Vector3i& t : hull.triangles) {
-    const Triangle3 at = corners(hull, t);
-    const Vector3 normal = face_normal(at, length);
-    const double height = normal.dot(p - at[0]);
-    if (normal.isZero() || height < -rounding) continue;  // only faces that look at the point can hold the nearest one
-    outside |= height > rounding;
+  for (std::size_t i = 0; i < normals_.size(); ++i) {
+    const Triangle3 at = corners(hull_, hull_.triangles[i]);
+    const double height = normals_[i].dot(p - at[0]);
+    if (normals_[i].isZero() || height < -rounding_) continue;  // only faces that look at p can hold the nearest point
+    outside |= height > rounding_;
     least = std::min(least, distance_to_triangle(at, p));
   }
   return outside ? least : 0.0;
 }
 
-double excess(const ConvexHull& outer, const ConvexHull& inner) noexcept {
+double excess(const ConvexHull& outer, const ConvexHull& inner) {
+  const DistanceOutside distance(inner);
   double most = 0.0;
-  for (const Vector3& v : outer.vertices) most = std::max(most, distance_outside(inner, v));
+  for (const Vector3& v : outer.vertices) most = std::max(most, distance.of(v));
   return most;
 }
 

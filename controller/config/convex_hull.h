@@ -24,23 +24,34 @@ bool is_hull(const ConvexHull& hull);
 
 struct EnclosingHull {
   ConvexHull hull;
+  std::vector<Vector3> chosen;
   ConvexHull inside;  ///< of the chosen points
 };
 
 /// Convex hull of at most `most_vertices` (8 to 255) vertices around all points, close to the exact one. Points are
 /// chosen greedily, the furthest beyond a face first (the order of Quickhull, Barber et al., ACM TOMS 22(4), 1996).
 /// Then the plane of each face moves out until all points are behind it, and each vertex moves by the shortest way
-/// beyond the planes of its faces. Throws std::runtime_error if the points have no hull. Cost: 96 vertices around 2,000
-/// points take 30 ms.
-EnclosingHull enclosing_hull(const std::vector<Vector3>& cloud, int most_vertices);
+/// beyond the planes of its faces. Points that a call with fewer vertices has `chosen` need not be chosen again. Throws
+/// std::runtime_error if the points have no hull. Cost: 96 vertices around 2,000 points take 30 ms.
+EnclosingHull enclosing_hull(const std::vector<Vector3>& cloud, int most_vertices, std::vector<Vector3> chosen = {});
 
 /// [m]
 double distance_to_triangle(const Triangle3& triangle, const Vector3& p) noexcept;
 
-/// Distance from p to the hull, 0 inside [m]. By its faces, which look outwards; exact to 1e-9 of the hull's length.
-double distance_outside(const ConvexHull& hull, const Vector3& p) noexcept;
+/// Distances of points from a hull, which must outlive it, by its faces, which look outwards.
+class DistanceOutside {
+ public:
+  explicit DistanceOutside(const ConvexHull& hull);
+  /// Distance from p to the hull, 0 inside [m]; exact to 1e-9 of the hull's length.
+  double of(const Vector3& p) const noexcept;
+
+ private:
+  const ConvexHull& hull_;
+  double rounding_ = 0.0;
+  std::vector<Vector3> normals_;
+};
 
 /// Largest distance of a point of `outer` from `inner` [m]: that of a vertex, since the distance is convex.
-double excess(const ConvexHull& outer, const ConvexHull& inner) noexcept;
+double excess(const ConvexHull& outer, const ConvexHull& inner);
 
 }  // namespace moma::config

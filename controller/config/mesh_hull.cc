@@ -132,12 +132,13 @@ MeshSolid point_solid(std::vector<Vector3> cloud) {
   }
   std::optional<ConvexHull> whole = convex_hull(cloud);
   if (!whole || static_cast<int>(whole->vertices.size()) > kHullVertices) {
+    EnclosingHull around;
     for (const int vertices : {kHullVertices, kMostHullVertices}) {
-      const EnclosingHull around = enclosing_hull(whole ? whole->vertices : cloud, vertices);
+      around = enclosing_hull(whole ? whole->vertices : cloud, vertices, std::move(around.chosen));
       solid.excess = excess(around.hull, whole ? *whole : around.inside);
-      solid.shape = {ShapeKind::kConvex, Vector3::Zero(), std::make_shared<ConvexHull>(around.hull)};
       if (solid.excess <= kHullExcess) break;
     }
+    solid.shape = {ShapeKind::kConvex, Vector3::Zero(), std::make_shared<ConvexHull>(std::move(around.hull))};
     return solid;
   }
   solid.shape = {ShapeKind::kConvex, Vector3::Zero(), std::make_shared<ConvexHull>(*std::move(whole))};

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "controller/model/shape.h"
@@ -19,6 +23,9 @@ struct MeshSolid {
   double excess = 0.0;  ///< how far `shape` reaches out of the hull of all vertices [m]
   bool flat = false;    ///< the mesh has no volume: `shape` is its bounding box, at least 1 mm thick
 };
+
+/// Solids of mesh files by file and scale, kept by whoever reads the same robot several times.
+using MeshSolids = std::map<std::pair<std::string, std::array<double, 3>>, MeshSolid>;
 
 /// A surface as its file has it, in the mesh's frame M [m]; it need not be closed, and orientation means nothing.
 struct Mesh {

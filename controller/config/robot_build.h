@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "controller/config/mesh_hull.h"
 #include "controller/config/package_path.h"
 #include "controller/config/reader.h"
+#include "controller/config/robot_file.h"
 #include "controller/model/proximity.h"
 #include "controller/model/robot_model.h"
 #include "controller/model/urdf.h"
@@ -15,6 +17,7 @@ namespace moma::config {
 
 /// A robot while its file is read: each part below adds its share to the model and to the resolved form.
 struct RobotBuild {
+  MeshSolids* meshes = nullptr;
   RobotModel model;
   UrdfTree tree;  ///< link i of the tree is link i + 1 of the model
   PackagePaths packages;
@@ -23,6 +26,9 @@ struct RobotBuild {
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
 };
+
+/// read_robot() that takes solids from `meshes`, and adds those that are not there.
+LoadedRobot read_robot(const Node& node, const std::string& key, MeshSolids& meshes);
 
 /// `packages`, and `urdf` or `urdf_text`: the tree.
 void read_urdf_of(MapReader& robot, RobotBuild& build);

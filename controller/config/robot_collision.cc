@@ -170,7 +170,6 @@ class CollisionReader {
   // Links that have shapes of their own in the file keep those alone.
   void take_urdf(const MapReader& in, const std::set<int>& links) {
     const std::map<int, int> own = count_;
-    std::map<std::pair<std::string, std::vector<double>>, MeshSolid> meshes;
     for (std::size_t i = 0; i < build_.tree.links.size(); ++i) {
       const UrdfLink& source = build_.tree.links[i];
       const int link = static_cast<int>(i) + 1;
@@ -182,8 +181,9 @@ class CollisionReader {
           try {
             const auto file = build_.packages.resolve(geometry.mesh, build_.urdf_directory);
             const Vector3& s = geometry.scale;
-            auto [at, is_new] = meshes.try_emplace({file.string(), {s.x(), s.y(), s.z()}});
-            if (is_new) at->second = mesh_solid(file, s);
+            const MeshSolids::key_type name(file.string(), {s.x(), s.y(), s.z()});
+            auto at = build_.meshes->find(name);
+            if (at == build_.meshes->end()) at = build_.meshes->emplace(name, mesh_solid(file, s)).first;
             if (at->second.flat)
               build_.warnings.push_back("link " + source.name + ": the flat mesh " + geometry.mesh +
                                         " became a thin box");

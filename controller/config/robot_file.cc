@@ -40,9 +40,10 @@ PackagePaths read_packages(MapReader& robot) {
   return PackagePaths(std::move(named));
 }
 
-LoadedRobot build_robot(const Node& node, const std::string& key) {
+LoadedRobot build_robot(const Node& node, const std::string& key, MeshSolids& meshes) {
   MapReader robot(node, key);
   RobotBuild build;
+  build.meshes = &meshes;
   build.resolved["name"] = "";
   read_urdf_of(robot, build);
   build.model.name = build.tree.name;
@@ -99,21 +100,26 @@ void read_urdf_of(MapReader& robot, RobotBuild& build) {
   }
 }
 
-LoadedRobot load_robot(const fs::path& file) { return build_robot(load_yaml(file), ""); }
+LoadedRobot load_robot(const fs::path& file) { return read_robot(load_yaml(file), ""); }
 
 LoadedRobot read_robot(const Node& node, const std::string& key) {
-  if (node.kind != Node::Kind::kScalar) return build_robot(node, key);
+  MeshSolids meshes;
+  return read_robot(node, key, meshes);
+}
+
+LoadedRobot read_robot(const Node& node, const std::string& key, MeshSolids& meshes) {
+  if (node.kind != Node::Kind::kScalar) return build_robot(node, key, meshes);
   const fs::path file = directory_of(node.mark) / node.scalar;
   std::error_code error;
   if (node.scalar.empty() || !fs::is_regular_file(file, error)) {
     fail(node.mark, key,
          "found '" + node.scalar + "', expected the path of a robot file; no such file: " + file.string());
   }
-  return load_robot(file);
+  return build_robot(load_yaml(file), "", meshes);
 }
 
 LoadedRobot robot_from_resolved(const nlohmann::ordered_json& resolved) {
-  return build_robot(node_from_json(resolved, "resolved robot"), "robot");
+  return read_robot(node_from_json(resolved, "resolved robot"), "robot");
 }
 
 namespace {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "controller/config/node.h"
-#include "controller/config/robot_file.h"
+#include "controller/config/robot_build.h"
 #include "controller/config/text_file.h"
 #include "controller/config/yaml_text.h"
 #include "controller/draft/guess.h"
@@ -279,10 +279,10 @@ class Drafter {
     return 0.0;
   }
 
-  config::LoadedRobot load(const std::string& text) const {
+  config::LoadedRobot load(const std::string& text) {
     // Paths are relative to the place of a value.
     const fs::path place = options_.folder / ("a draft over " + options_.urdf.filename().string());
-    return config::read_robot(config::parse_yaml(text, place.string(), options_.folder), "");
+    return config::read_robot(config::parse_yaml(text, place.string(), options_.folder), "", meshes_);
   }
 
   std::string shapes() const {
@@ -376,6 +376,7 @@ class Drafter {
   BaseGuess base_;
   ArmGuess arm_;
   Lines lines_;
+  config::MeshSolids meshes_;
 };
 
 }  // namespace

@@ -216,10 +216,12 @@ FitError measure(const Triangles& surface, const std::vector<Placed>& shapes) {
   std::vector<Solid> solids;
   for (const Placed& placed : shapes) solids.push_back(placed.solid);
   const std::optional<ConvexHull> hull = config::convex_hull(corners(surface));
+  const std::optional<config::DistanceOutside> from_hull =
+      hull ? std::make_optional<config::DistanceOutside>(*hull) : std::nullopt;
   const double hull_volume = hull ? volume_of(*hull) : 0.0;
   if (hull_volume > 0.0) error.volume_ratio = union_volume(solids, kVolumeSamples) / hull_volume;
   const auto beyond = [&](const Vector3& p) {  // distance to the hull, 0 inside; to the surface itself if it is flat
-    if (hull) return config::distance_outside(*hull, p);
+    if (from_hull) return from_hull->of(p);
     double least = std::numeric_limits<double>::infinity();
     for (const Triangle& t : surface) least = std::min(least, config::distance_to_triangle(t, p));
     return least;

@@ -224,6 +224,7 @@ double collada_unit(const std::string& text) {
   if (xml_depth(text) > kMaxXmlDepth)
     throw std::runtime_error("elements are nested more than " + std::to_string(kMaxXmlDepth) + " deep");
   TiXmlDocument document;
+  document.SetTabSize(0);  // without the place of each element, which nobody asks for
   document.Parse(text.c_str());
   if (document.Error()) throw std::runtime_error("not valid XML: " + std::string(document.ErrorDesc()));
   const TiXmlElement* root = document.RootElement();

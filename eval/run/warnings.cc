@@ -7,8 +7,8 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numbers>
 
-#include "controller/config/convex_hull.h"
 #include "controller/config/robot_build.h"
 #include "controller/config/urdf_collision.h"
 #include "controller/model/convex_distance.h"
@@ -20,21 +20,21 @@ namespace {
 
 constexpr double kPointRadius = 1e-4;  // radius of the sphere that represents a point [m]
 
-std::vector<Vector3> corners_of(const Shape& shape) {
-  std::vector<Vector3> corners;
-  for (const Vector3& n : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1), Vector3(1, 1, 1), Vector3(1, 1, -1),
-                           Vector3(1, -1, 1), Vector3(-1, 1, 1)}) {
-    for (const double sign : {1.0, -1.0})
-      corners.push_back(support_point(shape, Isometry::Identity(), sign * n.normalized()));
-  }
-  return corners;
-}
-
-/// Returns the outermost points of a visual, in its link.
+/// Returns the outermost points of a visual in directions that are spread evenly (a Fibonacci lattice), in its link.
 std::vector<Vector3> outermost(const config::UrdfCollision& visual) {
-  std::vector<Vector3> points = visual.mesh.empty() ? corners_of(visual.shape) : visual.surface.vertices;
-  if (points.size() > 100 && !config::in_one_plane(points)) points = config::enclosing_hull(points, 96).inside.vertices;
-  for (Vector3& p : points) p = visual.X_LS * p;
+  constexpr int kDirections = 200;
+  constexpr double kTurn = std::numbers::pi * (3.0 - 2.2360679774997896);
+  std::vector<Vector3> points;
+  for (int i = 0; i < kDirections; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / kDirections, r = std::sqrt(1.0 - z * z);
+    const Vector3 n(r * std::cos(kTurn * i), r * std::sin(kTurn * i), z);
+    const std::vector<Vector3>& vertices = visual.surface.vertices;
+    const auto before = [&](const Vector3& a, const Vector3& b) { return n.dot(a) < n.dot(b); };
+    const Vector3 p_S = visual.mesh.empty() ? support_point(visual.shape, Isometry::Identity(), n)
+                                            : *std::max_element(vertices.begin(), vertices.end(), before);
+    const Vector3 p_L = visual.X_LS * p_S;
+    if (std::find(points.begin(), points.end(), p_L) == points.end()) points.push_back(p_L);
+  }
   return points;
 }
 

@@ -185,28 +185,40 @@ function high(a: number, b: number): number {
   return Math.floor(((a >>> 16) * b + Math.floor(((a & 0xffff) * b) / 65536)) / 65536);   // 48 bits: exact
 }
 
-/** Philox4x32-10 (Salmon et al., SC 2011) with the key (1, 0): four words from the counter (first, second, 0, 0) into `out`. */
-function philox(first: number, second: number, out: Uint32Array): void {
-  let [x, y, z, w] = [first, second, 0, 0];
-  let [k, l] = [1, 0];
-  for (let round = 0; round < 10; ++round) {
-    const next = high(0xcd9e8d57, z) ^ y ^ k;
-    const last = high(0xd2511f53, x) ^ w ^ l;
-    y = Math.imul(0xcd9e8d57, z) >>> 0;
-    w = Math.imul(0xd2511f53, x) >>> 0;
-    x = next >>> 0;
-    z = last >>> 0;
-    k = (k + 0x9e3779b9) >>> 0;
-    l = (l + 0xbb67ae85) >>> 0;
+/** Rounds of the bootstrap. */
+const kRounds = 9999;
+
+/** Draws for four differences in each round: the same whatever the differences are, so that each block is drawn once. */
+const blocks: Uint32Array[] = [];
+
+/** Philox4x32-10 (Salmon et al., SC 2011) with the key (1, 0): four words from each counter (block, round, 0, 0). */
+function wordsOf(block: number): Uint32Array {
+  const known = blocks[block];
+  if (known !== undefined) return known;
+  const out = new Uint32Array(4 * kRounds);
+  for (let at = 0; at < kRounds; ++at) {
+    let [x, y, z, w] = [block, at, 0, 0];
+    let [k, l] = [1, 0];
+    for (let round = 0; round < 10; ++round) {
+      const next = high(0xcd9e8d57, z) ^ y ^ k;
+      const last = high(0xd2511f53, x) ^ w ^ l;
+      y = Math.imul(0xcd9e8d57, z) >>> 0;
+      w = Math.imul(0xd2511f53, x) >>> 0;
+      x = next >>> 0;
+      z = last >>> 0;
+      k = (k + 0x9e3779b9) >>> 0;
+      l = (l + 0xbb67ae85) >>> 0;
+    }
+    out.set([x, y, z, w], 4 * at);
   }
-  out.set([x, y, z, w]);
+  return blocks[block] = out;
 }
 
 /**
  * 95 % interval of the mean of paired differences, digit for digit that of `moma compare` (eval/stats/intervals.h): the
  * percentile bootstrap, whose draws depend on nothing but their place. NaN of fewer than six.
  */
-export function bootstrapMean(differences: readonly number[], rounds = 9999): Interval {
+export function bootstrapMean(differences: readonly number[]): Interval {
   const n = differences.length;
   if (n < kFewestDifferences) return { low: NaN, high: NaN };
   if (n > kResampled) {
@@ -214,16 +226,15 @@ export function bootstrapMean(differences: readonly number[], rounds = 9999): In
     const half = kZ * Math.sqrt(differences.reduce((sum, d) => sum + (d - mean) ** 2, 0) / (n - 1) / n);
     return { low: mean - half, high: mean + half };
   }
-  const means = new Float64Array(rounds);
+  const means = new Float64Array(kRounds);
   const values = Float64Array.from(differences);
-  const bits = new Uint32Array(4);
-  for (let round = 0; round < rounds; ++round) {
-    let sum = 0;
-    for (let i = 0; i < n; i += 4) {
-      philox(i / 4, round, bits);
-      for (let k = 0; k < Math.min(4, n - i); ++k) sum += values[Math.floor(((bits[k] ?? 0) * n) / 4294967296)] ?? NaN;
+  for (let i = 0; i < n; i += 4) {
+    const words = wordsOf(i / 4);
+    for (let round = 0; round < kRounds; ++round) {
+      let sum = means[round] ?? NaN;
+      for (let k = 0; k < Math.min(4, n - i); ++k) sum += values[Math.floor(((words[4 * round + k] ?? 0) * n) / 4294967296)] ?? NaN;
+      means[round] = i + 4 < n ? sum : sum / n;
     }
-    means[round] = sum / n;
   }
   means.sort();
   return { low: quantile(means, 0.025), high: quantile(means, 0.975) };
