@@ -80,6 +80,7 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
   }
   if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
   r_.control_period = period_;
+  r_.success = spec.success;
   if (!goal_moves_ && world.further.empty() && is_whole(goal_)) {
     const double bound = world.time_bound ? *world.time_bound : time_bound(spec.robot->model, world).time;
     if (std::isfinite(bound)) r_.row.time_bound_s = bound;

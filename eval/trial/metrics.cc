@@ -119,6 +119,38 @@ void measure_steps(const Recording& r, const RobotModel& model, TrialRow& row) {
   if (r.has_qp) row.active_rows_mean = active_sum / n;
 }
 
+// Says what the robot does in a control period, whose command's largest share of a limit is `share`, and `before` in the
+// period before.
+double TrialRow::* phase_of(const Recording& r, const StateRecord& s, double share, double before) {
+  constexpr double kClose = 0.05;     // [m]
+  constexpr double kStanding = 0.02;  // share of a limit
+  constexpr double kChanging = 0.2;   // change of the share [1/s]
+  if (s.position_error < r.success.position)
+    return s.orientation_error < r.success.orientation ? &TrialRow::phase_dwell_s : &TrialRow::phase_turning_s;
+  if (s.position_error < kClose) return &TrialRow::phase_last_5_cm_s;
+  if (share < kStanding) return &TrialRow::phase_standing_s;
+  const double change = (share - before) / r.control_period;
+  if (change > kChanging) return &TrialRow::phase_speeding_up_s;
+  return change < -kChanging ? &TrialRow::phase_slowing_down_s : &TrialRow::phase_cruise_s;
+}
+
+void measure_phases(const Recording& r, const RobotModel& model, TrialRow& row) {
+  if (r.trace.empty()) return;
+  for (auto phase : {&TrialRow::phase_standing_s, &TrialRow::phase_speeding_up_s, &TrialRow::phase_cruise_s,
+                     &TrialRow::phase_slowing_down_s, &TrialRow::phase_last_5_cm_s, &TrialRow::phase_turning_s,
+                     &TrialRow::phase_dwell_s})
+    row.*phase = 0.0;
+  const VectorX limits = model.velocity_limits();
+  double before = 0.0;
+  for (std::size_t k = 0; k < r.trace.size(); ++k) {
+    double share = 0.0;
+    for (Eigen::Index i = 0; i < limits.size(); ++i)
+      if (limits[i] > 0.0) share = std::max(share, std::abs(r.trace[k].command[i]) / limits[i]);
+    row.*phase_of(r, r.states[k], share, before) += r.control_period;
+    before = share;
+  }
+}
+
 }  // namespace
 
 TrialRow measure(const Recording& r, const RobotModel& model) {
@@ -126,6 +158,7 @@ TrialRow measure(const Recording& r, const RobotModel& model) {
   measure_states(r, row);
   measure_configurations(r, model, row);
   measure_steps(r, model, row);
+  measure_phases(r, model, row);
   TrialRow::Timing& timing = row.timing;
   time_summary(r.step_seconds, timing.t_step_median_us, timing.t_step_p99_us, timing.t_step_max_us);
   time_summary(r.solve_seconds, timing.t_solve_median_us, timing.t_solve_p99_us, timing.t_solve_max_us);

@@ -4,6 +4,7 @@
 
 #include "controller/model/robot_model.h"
 #include "eval/trial/row.h"
+#include "eval/trial/spec.h"
 #include "world/plant/plant.h"
 
 namespace moma {
@@ -22,6 +23,7 @@ struct StateRecord {
 struct Recording {
   TrialRow row;                     ///< metrics that no trace shows: clearances, contacts, physics, latencies
   double control_period = 0.02;     ///< [s]
+  SuccessRule success;              ///< tolerances
   Trace trace;                      ///< one sample per control step
   std::vector<StateRecord> states;  ///< trace.size() + 1; trace.size() if the last state was not finite
   PlantState last;                  ///< the last finite state
@@ -45,6 +47,8 @@ struct Recording {
 /// - acceleration_max [rad/s^2, m/s^2 for prismatic joints]: the largest |change of a joint's command| over the control
 ///   period, of all joints and steps from the second on. NULL with fewer than 2 steps.
 /// - slack_mean, slack_max: of |delta| over steps. NULL without slack. active_rows_mean: NULL without a QP.
+/// - phase_*_s [s]: each control period counts for the first of these that holds at its beginning: dwell, turning,
+///   last_5_cm, standing, speeding_up, slowing_down, cruise (row.h has their conditions).
 /// - tracking_error_rms [m]: root mean square of |e_p| over all samples; only for a goal that moves.
 TrialRow measure(const Recording& recording, const RobotModel& model);
 

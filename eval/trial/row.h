@@ -73,6 +73,9 @@ struct TrialRow {
   double detector_deepest_m = kAbsent;  ///< the largest of these
   double goals_reached = kAbsent;
   std::string goals;  ///< JSON: for each reached goal time_s and clearance_m
+  double phase_standing_s = kAbsent, phase_speeding_up_s = kAbsent, phase_cruise_s = kAbsent,
+         phase_slowing_down_s = kAbsent, phase_last_5_cm_s = kAbsent, phase_turning_s = kAbsent,
+         phase_dwell_s = kAbsent;  ///< Phases of the trial; their sum is its time
 
   struct Timing {
     double t_solve_median_us = kAbsent, t_solve_p99_us = kAbsent, t_solve_max_us = kAbsent;
@@ -265,6 +268,21 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
            Column{.earlier = kUnknown,
                   .text = "JSON, for each goal reached: `time_s` of its start of the dwell, `clearance_m` on the way "
                           "there; NULL in a world of one goal. v_goals has a row for each"});
+  const auto phase = [&v](auto name, auto member, std::string_view label, std::string_view text) {
+    v.member(name, member, metric(label, "s", kNeither, text).with_decimals(2).since(kUnknown));
+  };
+  phase("phase_standing_s", &R::phase_standing_s, "time standing",
+        "time with no coordinate of the command above 2 % of its limit, farther than 5 cm from the goal");
+  phase("phase_speeding_up_s", &R::phase_speeding_up_s, "time speeding up",
+        "time in which the largest |command| / limit grows by more than 0.2 1/s, farther than 5 cm from the goal");
+  phase("phase_cruise_s", &R::phase_cruise_s, "time at cruise", "time in which it stays, farther than 5 cm away");
+  phase("phase_slowing_down_s", &R::phase_slowing_down_s, "time slowing down",
+        "time in which it falls by more than 0.2 1/s, farther than 5 cm away");
+  phase("phase_last_5_cm_s", &R::phase_last_5_cm_s, "time within 5 cm",
+        "time from 5 cm to within the tolerance of the position");
+  phase("phase_turning_s", &R::phase_turning_s, "time turning",
+        "time within the tolerance of the position and beyond that of the orientation");
+  phase("phase_dwell_s", &R::phase_dwell_s, "time within tolerance", "time within both tolerances");
   v.inlined(&R::timing);
 }
 

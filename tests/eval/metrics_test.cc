@@ -74,6 +74,27 @@ TEST(Metrics, PathsMarginsAndErrors) {
   EXPECT_EQ(row.position_error_m, 0.3);
 }
 
+TEST(Metrics, PhasesShareTheTrialsTime) {
+  Recording r = recording(
+      11, [](double) { return 0.0; }, [](double) { return 0.0; });
+  r.success = {.position = 0.02, .orientation = 0.05};
+  // Share of the base's 1 m/s, distance and angle to the goal at the beginning of each control period of 0.02 s.
+  const double shares[]{0.0, 0.019, 0.1, 0.2, 0.203, 0.2, 0.1, 0.1, 0.1, 0.0, 0.0};
+  for (std::size_t k = 0; k < 12; ++k) {
+    r.states[k].position_error = k < 7 ? 0.5 : k < 8 ? 0.03 : 0.01;
+    r.states[k].orientation_error = k < 9 ? 0.2 : 0.01;
+    if (k < 11) r.trace[k].command[1] = -shares[k];
+  }
+  const TrialRow row = measure(r, *tiny_robot());
+  EXPECT_NEAR(row.phase_standing_s, 0.04, 1e-12);
+  EXPECT_NEAR(row.phase_speeding_up_s, 0.04, 1e-12);
+  EXPECT_NEAR(row.phase_cruise_s, 0.04, 1e-12);
+  EXPECT_NEAR(row.phase_slowing_down_s, 0.02, 1e-12);
+  EXPECT_NEAR(row.phase_last_5_cm_s, 0.02, 1e-12);
+  EXPECT_NEAR(row.phase_turning_s, 0.02, 1e-12);
+  EXPECT_NEAR(row.phase_dwell_s, 0.04, 1e-12);
+}
+
 TEST(Metrics, CommandChangeIsTheLargestShareOfALimit) {
   Recording r = recording(
       3, [](double) { return 0.0; }, [](double) { return 0.0; });

@@ -9,6 +9,7 @@ import { forest } from './forest';
 import { outcomes } from './outcomes';
 import { paired } from './paired';
 import { pareto } from './pareto';
+import { phases } from './phases';
 import { scatter } from './scatter';
 import { sweep } from './sweep';
 import { isSwept } from './swept';
@@ -16,7 +17,7 @@ import { timing } from './timing';
 
 export const kFigures = {
   results: () => [forest(), outcomes()],
-  time: () => [arrival()],
+  time: () => [arrival(), phases()],
   difficulty: () => [difficulty()],
   sweep: (model: Model) => (isSwept(model) ? [...sweep(), pareto()] : []),
   quality: () => [
