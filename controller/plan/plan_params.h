@@ -43,7 +43,8 @@ constexpr void describe(auto& v, Of<DirectWayParams>) {
 struct WholeBodyIkParams {
   double inside = 0.03;
   double near = 0.2, far = 1.0, stand = 0.7;
-  double joints = 0.6;
+  double joints = 0.6, place = 0.2;
+  double stay = 1.5;
   double tight = 0.7, limit = 0.4, limit_room = 0.5, singular = 1.0, agile = 0.06;
 };
 
@@ -53,7 +54,10 @@ constexpr void describe(auto& v, Of<WholeBodyIkParams>) {
   v.member("near", &T::near, non_negative("m", "least distance from the goal to the base of a try"));
   v.member("far", &T::far, non_negative("m", "largest distance from the goal to the base of a try"));
   v.member("stand", &T::stand, non_negative("m", "the same of a try that stays on the start's side"));
-  v.member("joints", &T::joints, non_negative("rad", "range of the joints of a try around a solution"));
+  v.member("joints", &T::joints, non_negative("rad", "range of joints and heading of a try around a solution"));
+  v.member("place", &T::place, non_negative("m", "the same of the base's place"));
+  v.member("stay", &T::stay,
+           non_negative("m", "distance up to which the base stays in a third of the tries for a goal close to objects"));
   v.member("tight", &T::tight, non_negative("s", "cost of a goal configuration without the roomy clearance"));
   v.member("limit", &T::limit, non_negative("s", "cost of each joint at its limit"));
   v.member("limit_room", &T::limit_room, positive("rad or m", "distance from a limit at which that cost vanishes"));
@@ -69,7 +73,7 @@ struct SearchParams {
   double reach = 0.6;
   double hand_moves = 0.3, hand_step = 0.1;
   int hand_steps = 12;
-  double base_alone = 0.2, arm_alone = 0.4, base_way = 1.0;
+  double base_alone = 0.2, arm_alone = 0.6, base_way = 1.0;
   double back = 1.0;
   double tight = 0.3, closer = 1.7;
   double off_goal = 0.0;

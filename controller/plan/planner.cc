@@ -211,7 +211,7 @@ void Planner::try_goal() noexcept {
   const bool off = params_.search.off_goal > 0.0 && close_goal() && aim == last_tier() && goals_.empty() && effort_ > 1;
   const bool drawn = free_.any() && tries_ % 2 == 1;
   const Isometry X_WG = off ? near_goal() : drawn ? allowed_pose() : X_WG_;
-  if (ik_.find(space_, X_WG, start_, goals_, tries_++, draws_, goal.c)) take_goal(goal);
+  if (ik_.find(space_, X_WG, start_, goals_, tries_++, draws_, close_goal(), goal.c)) take_goal(goal);
   space_.keep(tiers_[static_cast<std::size_t>(tier_)]);
 }
 

@@ -152,17 +152,24 @@ void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const Whole
 }
 
 bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start,
-                       std::span<const GoalConfiguration> found, int index, CountedDraws& draws,
+                       std::span<const GoalConfiguration> found, int index, CountedDraws& draws, bool hard,
                        WholeConfiguration& c) const noexcept {
-  if (!mobile_ && !found.empty() && index % 3 == 2) {
+  const bool stays = hard && mobile_ && index % 3 == 1 &&
+                     (X_WG.translation().head<2>() - start.head<2>()).norm() < params_.stay;
+  if ((hard || !mobile_) && !found.empty() && index % 3 == 2) {
     c = found[draws.choice(found.size())].c;
+    if (mobile_) {
+      for (int i = 0; i < 2; ++i) c[i] += draws.uniform(-params_.place, params_.place);
+      c[2] += draws.uniform(-params_.joints, params_.joints);
+    }
     for (int i = 0; i < limits_->num_joints(); ++i)
       c[3 + i] = std::clamp(c[3 + i] + limits_->part[i] * draws.uniform(-params_.joints, params_.joints), lower_[i],
                             upper_[i]);
   } else {
     seed(space, X_WG, start, index, draws, c);
   }
-  if (!solve(space, X_WG, c)) return false;
+  if (stays) c.head<3>() = start.head<3>();
+  if (!solve(space, X_WG, c, !stays)) return false;
   space.unwind(c);
   c[2] = start[2] + wrapped(c[2] - start[2]);
   return true;

@@ -36,10 +36,11 @@ class WholeBodyIk {
   bool solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c, bool moves_base = true) const noexcept;
 
   /// Runs try number `index`. It begins with a base around the goal (every fourth try: on the start's side), headed to
-  /// the goal or freely, and with the arm of the start, at `ready`, or drawn freely. Every third try of a fixed robot
-  /// begins near an earlier solution. True if solve() succeeds from there; joints that wind are unwound.
+  /// the goal or freely, and with the arm of the start, at `ready`, or drawn freely. Every third try of a fixed robot,
+  /// or for a `hard` goal, begins near an earlier solution, and for a hard one every third leaves the base at the start
+  /// if that is near enough. True if solve() succeeds from there; joints that wind are unwound.
   bool find(FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start,
-            std::span<const GoalConfiguration> found, int index, CountedDraws& draws,
+            std::span<const GoalConfiguration> found, int index, CountedDraws& draws, bool hard,
             WholeConfiguration& c) const noexcept;
 
   /// Returns what it costs to be at `c`, a free one, whatever the way there [s]. `roomy` [m] is the clearance that is

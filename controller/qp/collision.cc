@@ -131,7 +131,11 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
   const double room = d - row_damper.stop;
   if (params_.braking.enabled && room > 0.0) {
     const double a = params_.braking.share * deceleration_.along(row_);
-    limit = std::min(limit, stoppable_speed(room, a, params_.braking.reaction));
+    double most = stoppable_speed(room, a, params_.braking.reaction);
+    // A path past a corner comes near it faster than the robot could stop in front of it.
+    const bool still = pair.kind != PairKind::kObject || (rests && !unseen);
+    if (path_velocities_ != nullptr && still) most = std::max(most, row_.dot(*path_velocities_));
+    limit = std::min(limit, most);
   }
   bool moves = false;
   if (pair.kind == PairKind::kObject) {

@@ -48,6 +48,9 @@ class CollisionRows {
   /// Sets the stop distance d_s of objects at rest, at most the configured one [m], and the `rate` of approach xi/(d_i
   /// - d_s), at least the configured one [1/s].
   void keep_from_resting(double stop, double rate) noexcept;
+  /// Lets `braking` bound no speed of approach to what is at rest below that of these velocities, of a path that keeps
+  /// more than d_s. Null: of no path. They must stay until add().
+  void allow(const VectorX* path_velocities) noexcept { path_velocities_ = path_velocities; }
 
   /// The pairs of the last select() within their d_i, sorted nearest first; there may be more than max_pairs.
   std::span<const ProximityPair> sorted() const noexcept { return {sorted_.data(), sorted_.size()}; }
@@ -67,6 +70,7 @@ class CollisionRows {
   CollisionParams params_;
   DamperParams resting_;  // for objects at rest
   DamperParams unseen_;
+  const VectorX* path_velocities_ = nullptr;
   std::vector<Key> keys_;
   std::vector<ProximityPair> sorted_;
   Matrix3X J_first_, J_second_;

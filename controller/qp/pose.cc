@@ -112,9 +112,11 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
 
   problem_.rows = 0;
   stop_ = stop_near_goal(asked, now);
-  // A path keeps clear of objects by itself: the damper's rate would slow it down. Braking bounds its speed as ever.
+  // A path keeps clear of objects by itself: the damper's rate would slow it down.
   const bool on_path = asked.pull && asked.pull->velocities != nullptr;
   collision_.keep_from_resting(stop_, on_path ? params_.plan.follow.rate : 0.0);
+  // Rows keep less than a path to a goal close to an object does; to brake before them would lead off it.
+  collision_.allow(on_path && asked.keeps.at_goal < kInfinity ? asked.pull->velocities : nullptr);
   add_tracking_rows(now.kinematics.J_WE_W(), asked.task.nu, params_.tracking_band, params_.slack.enabled, problem_);
   if (!asked.task.free.isZero(0.0)) free_directions(now.kinematics, asked.task, problem_);
   collision_.add(now.kinematics, now.o.objects, now.spreads, problem_);

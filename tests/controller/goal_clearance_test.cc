@@ -146,6 +146,50 @@ TEST(GoalClearance, PathsMayComeNearAtARateOfTheirOwn) {
   }
 }
 
+// Braking bounds the speed of approach to 8 mm, unless a path asks for more; the damper's bound holds all the same, and
+// braking's before an object that was never seen.
+TEST(GoalClearance, PathsMayComeNearFasterThanTheRobotBrakes) {
+  const Grasp grasp(0.008);
+  ControllerParams params = params_at_goal(*grasp.model, true);
+  params.collision.object = {true, 0.3, 0.03, 0.6};
+  params.collision.braking = {.enabled = true, .share = 1e-3, .reaction = 0.0};
+  CollisionRows rows(*grasp.model, params.collision, {*grasp.model, params.acceleration_limit, false},
+                     {params.uncertainty, 0});
+  Kinematics kinematics(grasp.model);
+  kinematics.update(grasp.witness.head<3>(), grasp.witness.tail(7));
+  Proximity proximity(grasp.model);
+  proximity.set_objects(grasp.scene.shapes);
+  QpProblem problem;
+  problem.allocate(7 + 6, rows.allocate(1));
+  constexpr double kStop = 0.003, kRate = 15.0;
+  rows.keep_from_resting(kStop, kRate);
+  const auto bound = [&](const VectorX* path) {
+    problem.rows = 0;
+    rows.allow(path);
+    rows.select(proximity.query(kinematics, grasp.scene.states, rows.ranges()), grasp.scene.states);
+    rows.add(kinematics, grasp.scene.states, {}, problem);
+    EXPECT_GT(problem.rows, 0);
+    return problem.ubA[0];
+  };
+  const double brakes = bound(nullptr);
+  const VectorX row = problem.A.row(0).head(7).transpose();
+  const double damped = kRate * (problem.ids[0].d - kStop);
+  ASSERT_LT(brakes, 0.3 * damped);
+  for (const double share : {-1.0, 0.5, 2.0}) {
+    const VectorX path = row * (share * damped / row.squaredNorm());
+    EXPECT_NEAR(bound(&path), std::max(brakes, std::min(share, 1.0) * damped), 1e-12) << share;
+  }
+  const VectorX path = row * (0.5 * damped / row.squaredNorm());
+  Grasp other = grasp;
+  other.scene.states[0].seen = false;
+  rows.keep_from_unseen(params.collision.object);
+  rows.select(proximity.query(kinematics, other.scene.states, rows.ranges()), other.scene.states);
+  problem.rows = 0;
+  rows.allow(&path);
+  rows.add(kinematics, other.scene.states, {}, problem);
+  EXPECT_LT(problem.ubA[0], brakes) << "never seen";
+}
+
 TEST(GoalClearance, PathsLeadToGoalsThatAreNearerThanTheClearance) {
   const Grasp grasp(0.008);
   Kinematics kinematics(grasp.model);
