@@ -194,6 +194,10 @@ ControllerParams resolved(ControllerParams p, const RobotModel& model) {
       p.acceleration_limit[i] = p.base_share * inside * (turn ? most.y() : most.x());
     }
   }
+  for (int i = 0; p.joint_share > 0.0 && i < model.num_joints(); ++i) {
+    const double most = model.joints[static_cast<std::size_t>(i)].acceleration;
+    if (std::isfinite(most)) p.acceleration_limit[model.base_dof() + i] = p.joint_share * most;
+  }
   if (p.joint_limits.auto_margin) p.joint_limits.margin = resolve_margin(model, p.joint_limits);
   if (p.posture.ready) p.posture.target = model.ready;
   return p;

@@ -169,6 +169,7 @@ struct ControllerParams {
   PostureParams posture;
   VectorX acceleration_limit;  ///< per velocity, default infinite [rad/s^2, m/s^2]
   double base_share = 0.0;  ///< share of the robot's own base.max_acceleration, in every stage; 0: `acceleration_limit`
+  double joint_share = 0.0;  ///< share of the joints' own accelerations, where known; 0: `acceleration_limit`
   SightParams sight;
   PredictionParams prediction;
   UncertaintyParams uncertainty;

@@ -195,6 +195,12 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
               .range = {0.0, 1.0},
               .written = Written::kUnlessDefault,
               .text = "share of the robot's base.max_acceleration as a bound in every stage; 0: `acceleration`"});
+    g.member("joints", &T::joint_share,
+             {.unit = "1",
+              .range = {0.0, 1.0},
+              .written = Written::kUnlessDefault,
+              .text = "share of a joint's own acceleration as its limit if the robot file has it (`arm.limits`), else "
+                      "and at 0 `acceleration`"});
     g.optional("sight", &T::sight, &SightParams::enabled, Off::kOmitted,
                "bound on the base's speed: it can stop in front of objects that come into sight");
   });

@@ -78,6 +78,17 @@ TEST_F(ControllerFile, EmptyIsTheDefaults) {
   EXPECT_TRUE(warnings_.empty());
 }
 
+TEST_F(ControllerFile, SharesTheJointsOwnAccelerationsWhereKnown) {
+  RobotModel model = *model_;
+  for (ControlledJoint& joint : model.joints) joint.acceleration = kInfinity;
+  model.joints[1].acceleration = 7.5;
+  const auto limits = [&](const char* text) { return resolved(read(text), model).acceleration_limit; };
+  VectorX expected = VectorX::Constant(9, 5.0);
+  EXPECT_EQ(limits("limits: {acceleration: 5}"), expected);
+  expected[3] = 6.0;
+  EXPECT_EQ(limits("limits: {acceleration: 5, joints: 0.8}"), expected);
+}
+
 TEST_F(ControllerFile, ReadsEveryForm) {
   const ControllerParams p = read(R"(
 method: park
