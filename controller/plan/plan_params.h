@@ -56,8 +56,9 @@ constexpr void describe(auto& v, Of<WholeBodyIkParams>) {
   v.member("stand", &T::stand, non_negative("m", "the same of a try that stays on the start's side"));
   v.member("joints", &T::joints, non_negative("rad", "range of joints and heading of a try around a solution"));
   v.member("place", &T::place, non_negative("m", "the same of the base's place"));
-  v.member("stay", &T::stay,
-           non_negative("m", "distance up to which the base stays in a third of the tries for a goal close to objects"));
+  v.member(
+      "stay", &T::stay,
+      non_negative("m", "distance up to which the base stays in a third of the tries for a goal close to objects"));
   v.member("tight", &T::tight, non_negative("s", "cost of a goal configuration without the roomy clearance"));
   v.member("limit", &T::limit, non_negative("s", "cost of each joint at its limit"));
   v.member("limit_room", &T::limit_room, positive("rad or m", "distance from a limit at which that cost vanishes"));

@@ -154,8 +154,8 @@ void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const Whole
 bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start,
                        std::span<const GoalConfiguration> found, int index, CountedDraws& draws, bool hard,
                        WholeConfiguration& c) const noexcept {
-  const bool stays = hard && mobile_ && index % 3 == 1 &&
-                     (X_WG.translation().head<2>() - start.head<2>()).norm() < params_.stay;
+  const bool stays =
+      hard && mobile_ && index % 3 == 1 && (X_WG.translation().head<2>() - start.head<2>()).norm() < params_.stay;
   if ((hard || !mobile_) && !found.empty() && index % 3 == 2) {
     c = found[draws.choice(found.size())].c;
     if (mobile_) {

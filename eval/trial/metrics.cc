@@ -119,9 +119,9 @@ void measure_steps(const Recording& r, const RobotModel& model, TrialRow& row) {
   if (r.has_qp) row.active_rows_mean = active_sum / n;
 }
 
-// Says what the robot does in a control period, whose command's largest share of a limit is `share`, and `before` in the
-// period before.
-double TrialRow::* phase_of(const Recording& r, const StateRecord& s, double share, double before) {
+// Says what the robot does in a control period, whose command's largest share of a limit is `share`, and `before` in
+// the period before.
+double TrialRow::*phase_of(const Recording& r, const StateRecord& s, double share, double before) {
   constexpr double kClose = 0.05;     // [m]
   constexpr double kStanding = 0.02;  // share of a limit
   constexpr double kChanging = 0.2;   // change of the share [1/s]

@@ -126,7 +126,8 @@ TEST(WholeBodyIk, JointsOfAWholeTurnGoOnFromTheirOtherLimit) {
     const Isometry X_WG = kinematics.X_WE();
     CountedDraws draws{static_cast<std::uint64_t>(k), 0};
     bool solved = false;
-    for (int index = 0; index < kTries && !solved; ++index) solved = ik.find(space, X_WG, start, {}, index, draws, false, c);
+    for (int index = 0; index < kTries && !solved; ++index)
+      solved = ik.find(space, X_WG, start, {}, index, draws, false, c);
     found += solved ? 1 : 0;
     if (!solved) continue;
     EXPECT_TRUE(space.free(c)) << k;
