@@ -87,7 +87,7 @@ TEST_P(KinematicsOf, UpdatesWithoutAllocating) {
   EXPECT_EQ(guard.count(), 0);
 }
 
-TEST(NoAlloc, SeesAnAllocation) {
+TEST(AllocationCount, SeesAnAllocation) {
   if (!test::NoAlloc::works()) GTEST_SKIP() << "sanitizers bring their own malloc";
   const test::NoAlloc guard;
   VectorX v(1000);

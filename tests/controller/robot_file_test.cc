@@ -93,7 +93,7 @@ void expect_same_model(const RobotModel& a, const RobotModel& b) {
 
 class RobotFileOf : public testing::TestWithParam<std::string> {
  protected:
-  config::LoadedRobot robot_ = config::load_robot(test::source_path(GetParam()));
+  const config::LoadedRobot& robot_ = test::loaded(GetParam());
 };
 
 INSTANTIATE_TEST_SUITE_P(Robots, RobotFileOf, testing::ValuesIn(test::all_robots()),

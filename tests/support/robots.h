@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,9 +30,15 @@ inline std::vector<std::string> all_robots() {
 
 inline std::string source_path(const std::string& file) { return std::string(MOMA_SOURCE_DIR) + "/" + file; }
 
-inline std::shared_ptr<const RobotModel> load_model(const std::string& file) {
-  return config::load_robot(source_path(file)).model;
+/// Tests of a suite run in one process, which reads each robot once.
+inline const config::LoadedRobot& loaded(const std::string& file) {
+  static std::map<std::string, config::LoadedRobot> known;
+  auto at = known.find(file);
+  if (at == known.end()) at = known.emplace(file, config::load_robot(source_path(file))).first;
+  return at->second;
 }
+
+inline std::shared_ptr<const RobotModel> load_model(const std::string& file) { return loaded(file).model; }
 
 /// frankie.yaml -> frankie, for names of parametrised tests; examples/ and data/ robots get their folder's name.
 inline std::string test_name(const std::string& file) {
