@@ -20,8 +20,11 @@ FreeSpace::FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits
     : limits_(&limits),
       kinematics_(model),
       proximity_(model),
-      keeps_{{}, {}, limits.lower, limits.upper},
-      point_(WholeConfiguration::Zero(3 + limits.num_joints())) {}
+      hand_(model->shapes.size(), 0),
+      keeps_{.clearances = {}, .at_goal = {}, .low = limits.lower, .high = limits.upper},
+      point_(WholeConfiguration::Zero(3 + limits.num_joints())) {
+  for (const int shape : model->hand_shapes()) hand_[static_cast<std::size_t>(shape)] = 1;
+}
 
 void FreeSpace::set_objects(std::span<const ObjectShape> objects) {
   proximity_.set_objects(objects);
@@ -82,13 +85,18 @@ bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances)
   ++checks_;
   kinematics_.place(c.head<3>(), c.tail(c.size() - 3));
   ProximityRanges ranges = ranges_of(clearances);
-  if (keeps_.at_goal.at_goal < ranges.object) {
-    // With half the clearances, half of the distance at the goal counts.
-    const double part =
-        keeps_.clearances.object > 0.0 ? std::min(1.0, clearances.object / keeps_.clearances.object) : 1.0;
-    ranges.object = std::min(ranges.object, part * keeps_.at_goal.of(kInfinity, hand()));
-  }
-  return proximity_.clear(kinematics_, ranges);
+  if (!(keeps_.at_goal.at_goal < ranges.object)) return proximity_.clear(kinematics_, ranges);
+  // With half the clearances, half of the distances at the goal count.
+  const double part =
+      keeps_.clearances.object > 0.0 ? std::min(1.0, clearances.object / keeps_.clearances.object) : 1.0;
+  ranges.object = std::min(ranges.object, part * keeps_.at_goal.of(kInfinity, hand()));
+  if (!proximity_.clear(kinematics_, ranges)) return false;
+  const double arm = std::min(clearances.object, part * keeps_.arm_at_goal);
+  if (ranges.object >= arm) return true;
+  // A goal brings the hand near objects, and no other part of the robot.
+  for (const ProximityPair& pair : proximity_.query(kinematics_, {arm, -1.0, -1.0}))
+    if (hand_[static_cast<std::size_t>(pair.first)] == 0) return false;
+  return true;
 }
 
 // Position of E in the last configuration.

@@ -31,8 +31,9 @@ struct Clearances {
 /// Distances and joint ranges that configurations have to keep.
 struct Keeps {
   Clearances clearances;
-  KeptDistance at_goal;          ///< distance from objects near the goal
-  WholeConfiguration low, high;  ///< joint limits with their margins, one value per joint
+  KeptDistance at_goal;            ///< distance of the hand's shapes from objects near the goal
+  WholeConfiguration low, high;    ///< joint limits with their margins, one value per joint
+  double arm_at_goal = kInfinity;  ///< least distance of the other shapes near the goal [m]
 
   /// True if every configuration near the same goal that keeps `other` also keeps this.
   bool follows_from(const Keeps& other) const noexcept {
@@ -63,8 +64,11 @@ class FreeSpace {
   void set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room = 1.0) noexcept {
     set_clearances(clearances, start, start, room);
   }
-  /// Sets the distance from objects near the goal.
-  void keep_near(const KeptDistance& kept) noexcept { keeps_.at_goal = kept; }
+  /// Sets the distances of hand and arm from objects near the goal.
+  void keep_near(const KeptDistance& hand, double arm = kInfinity) noexcept {
+    keeps_.at_goal = hand;
+    keeps_.arm_at_goal = arm;
+  }
   /// All of these settings; keep() restores them.
   const Keeps& keeps() const noexcept { return keeps_; }
   void keep(const Keeps& keeps) noexcept { keeps_ = keeps; }
@@ -109,6 +113,7 @@ class FreeSpace {
   const MotionLimits* limits_;
   Kinematics kinematics_;
   Proximity proximity_;
+  std::vector<char> hand_;  // of each shape: it is rigid with E
   std::vector<ObjectState> states_;
   Keeps keeps_;
   WholeConfiguration point_;

@@ -110,6 +110,7 @@ void Planner::set_turn(bool stays) noexcept {
 
 void Planner::set_tiers(int first) noexcept {
   const double tight = params_.search.tight * params_.clearance / (effort_ >= params_.search.hard ? 2.0 : 1.0);
+  const double arm = effort_ > params_.search.hard ? 0.5 * tight : tight;  // at the goal, one failed plan later
   for (int tier = first; tier < kTiers; ++tier) {
     const bool close = tier == kTiers - 1;  // as close to the goal as `at_goal` lets rows be, whatever the hand needs
     const double object = tier == 0 ? std::max(params_.roomy, params_.clearance) : close ? tight : params_.clearance;
@@ -117,7 +118,7 @@ void Planner::set_tiers(int first) noexcept {
     // The mean of the rows' distance and the hand's own.
     double kept = close ? 0.0 : 0.5 * (1.0 + at_goal_.part) * needed_;
     kept = std::max(kept, params_.search.closer * at_goal_.least);
-    space_.keep_near({kept < object ? kept : kInfinity, at_goal_.slope, X_WG_.translation()});
+    space_.keep_near({kept < object ? kept : kInfinity, at_goal_.slope, X_WG_.translation()}, arm);
     tiers_[static_cast<std::size_t>(tier)] = space_.keeps();
   }
 }

@@ -28,12 +28,16 @@ CollisionRows::CollisionRows(const RobotModel& model, const CollisionParams& par
                              const Uncertainty& uncertainty)
     : model_(&model),
       params_(params),
+      hand_(model.shapes.size(), 0),
       resting_(params.object),
+      resting_of_arm_(params.object),
       J_first_(3, model.num_velocities()),
       J_second_(3, model.num_velocities()),
       row_(model.num_velocities()),
       deceleration_(deceleration),
-      uncertainty_(uncertainty) {}
+      uncertainty_(uncertainty) {
+  for (const int shape : model.hand_shapes()) hand_[static_cast<std::size_t>(shape)] = 1;
+}
 
 int CollisionRows::allocate(int num_objects) {
   const std::size_t shapes = model_->shapes.size();
@@ -55,10 +59,14 @@ ProximityRanges CollisionRows::ranges() const noexcept {
   return {.object = range(params_.object), .floor = range(params_.floor), .self = range(params_.self)};
 }
 
-void CollisionRows::keep_from_resting(double stop, double rate) noexcept {
+void CollisionRows::keep_from_resting(double hand, double arm, double rate) noexcept {
   const DamperParams& object = params_.object;
-  resting_.stop = std::min(object.stop, stop);
-  resting_.influence = rate > 0.0 ? std::min(object.influence, resting_.stop + object.gain / rate) : object.influence;
+  const auto set = [&](DamperParams& damper, double stop) {
+    damper.stop = std::min(object.stop, stop);
+    damper.influence = rate > 0.0 ? std::min(object.influence, damper.stop + object.gain / rate) : object.influence;
+  };
+  set(resting_, hand);
+  set(resting_of_arm_, arm);
 }
 
 const DamperParams& CollisionRows::damper(PairKind kind) const noexcept {
@@ -126,7 +134,10 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
   }
   const bool rests = pair.kind == PairKind::kObject && !in_motion(states[static_cast<std::size_t>(pair.second)]);
   const bool unseen = pair.kind == PairKind::kObject && !states[static_cast<std::size_t>(pair.second)].seen;
-  const DamperParams& row_damper = unseen ? unseen_ : rests ? resting_ : damper(pair.kind);
+  const bool of_hand = hand_[static_cast<std::size_t>(pair.first)] != 0;
+  const DamperParams& row_damper = unseen  ? unseen_
+                                   : rests ? (of_hand ? resting_ : resting_of_arm_)
+                                           : damper(pair.kind);
   double limit = approach_speed(row_damper, d);
   const double room = d - row_damper.stop;
   if (params_.braking.enabled && room > 0.0) {

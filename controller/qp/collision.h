@@ -45,9 +45,9 @@ class CollisionRows {
 
   /// Sets the dampers of space that no sensor has seen (ObjectState::seen).
   void keep_from_unseen(const DamperParams& unseen) noexcept { unseen_ = unseen; }
-  /// Sets the stop distance d_s of objects at rest, at most the configured one [m], and the `rate` of approach xi/(d_i
-  /// - d_s), at least the configured one [1/s].
-  void keep_from_resting(double stop, double rate) noexcept;
+  /// Sets the stop distances d_s of hand and arm from objects at rest, at most the configured one [m], and the `rate`
+  /// of approach xi/(d_i - d_s), at least the configured one [1/s].
+  void keep_from_resting(double hand, double arm, double rate) noexcept;
   /// Lets `braking` bound no speed of approach to what is at rest below that of these velocities, of a path that keeps
   /// more than d_s. Null: of no path. They must stay until add().
   void allow(const VectorX* path_velocities) noexcept { path_velocities_ = path_velocities; }
@@ -68,7 +68,8 @@ class CollisionRows {
 
   const RobotModel* model_;
   CollisionParams params_;
-  DamperParams resting_;  // for objects at rest
+  std::vector<char> hand_;                 // of each shape: it is rigid with E
+  DamperParams resting_, resting_of_arm_;  // of hand and arm, for objects at rest
   DamperParams unseen_;
   const VectorX* path_velocities_ = nullptr;
   std::vector<Key> keys_;

@@ -42,6 +42,13 @@ MotionThreshold motion_threshold(const UncertaintyParams& u, double quantile) no
 
 std::size_t at(int age) noexcept { return static_cast<std::size_t>(age); }
 
+// The base's command sent `age` periods before the latest.
+Vector3 sent_to_base(const PredictionMemory& memory, int age, int base_dof) noexcept {
+  Vector3 command = Vector3::Zero();
+  command.head(base_dof) = memory.sent[at(age)].head(base_dof);
+  return command;
+}
+
 // Makes the oldest entry the latest, to be overwritten.
 template <class T>
 T& shifted(std::vector<T>& latest_first) noexcept {
@@ -138,9 +145,7 @@ const BaseRamp::Shares& Predictor::drive() const noexcept { return kDrives[at(me
 
 // The base's command that is measured next.
 Vector3 Predictor::arriving_command() const noexcept {
-  Vector3 command = Vector3::Zero();
-  command.head(base_dof_) = memory_.sent[at(memory_.base_trip.periods)].head(base_dof_);
-  return command;
+  return sent_to_base(memory_, memory_.base_trip.periods, base_dof_);
 }
 
 // Advances the base's velocity by a period for each pair of shares.
@@ -216,9 +221,8 @@ void Predictor::identify(const Observation& o) noexcept {
 
 // Returns the mean velocity of the base in the period in which the command sent `age` periods before the latest acts.
 Vector3 Predictor::mean_velocity(int age) const noexcept {
-  Vector3 command = Vector3::Zero(), velocity = memory_.base_velocity[at(age + 1)];
-  for (int i = 0; i < base_dof_; ++i) command[i] = memory_.sent[at(age)][i];
-  return ramp_.follow(command, dt_, velocity);
+  Vector3 velocity = memory_.base_velocity[at(age + 1)];
+  return ramp_.follow(gains().cwiseProduct(sent_to_base(memory_, age, base_dof_)), dt_, velocity);
 }
 
 const Observation& Predictor::predict(const Observation& o) noexcept {
@@ -265,9 +269,8 @@ void Predictor::miss_steps(double time) noexcept {
     follow_drives();
     repeat(m.computed);
     repeat(m.sent);
-    Vector3 velocity = m.base_velocity.front(), sent = Vector3::Zero();
-    for (int i = 0; i < base_dof_; ++i) sent[i] = m.sent.front()[i];
-    ramp_.follow(gains().cwiseProduct(sent), dt_, velocity);
+    Vector3 velocity = m.base_velocity.front();
+    ramp_.follow(gains().cwiseProduct(sent_to_base(m, 0, base_dof_)), dt_, velocity);
     shifted(m.base_velocity) = velocity;
   }
   if (missed > 0.0) m.time = time;  // skip() advanced it

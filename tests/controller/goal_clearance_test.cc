@@ -118,6 +118,58 @@ TEST(GoalClearance, RowsLetTheHandComeToItsObject) {
   }
 }
 
+/// A ball `gap` from the forearm, far from the hand.
+struct ByTheForearm : Grasp {
+  explicit ByTheForearm(double gap) : Grasp(0.1) {
+    Kinematics kinematics(model);
+    kinematics.update(witness.head<3>(), witness.tail(7));
+    const Isometry& X_W5 = kinematics.X_WL(model->find_link("panda_link5"));
+    double along = 0.5;
+    do {
+      along -= 2e-4;
+      scene.states[0].X_WO.translation() = X_W5 * Vector3(0.0, along, -0.2);
+    } while (object_clearance(*model, kinematics, scene) > gap);
+  }
+};
+
+// With the hand at its goal, 10 mm are too little for the forearm and enough for the hand.
+TEST(GoalClearance, BringsNoOtherPartThanTheHandNear) {
+  constexpr double kGap = 0.01, kHand = 0.003, kClearance = 0.0175;
+  const Grasp of_hand(kGap);
+  const ByTheForearm of_arm(kGap);
+  for (const Grasp* grasp : {&of_hand, static_cast<const Grasp*>(&of_arm)}) {
+    const bool arm = grasp == &of_arm;
+    const ControllerParams params = params_at_goal(*grasp->model, true);
+    const MotionLimits limits(*grasp->model, params);
+    FreeSpace space(grasp->model, limits);
+    space.set_objects(grasp->scene.shapes);
+    space.set_states(grasp->scene.states);
+    Keeps keeps = space.keeps();
+    keeps.clearances = {kClearance, -1.0, -1.0};
+    space.keep(keeps);
+    space.keep_near({kHand, 0.25, grasp->scene.X_WG.translation()});
+    EXPECT_EQ(space.free(grasp->witness), !arm);
+    space.keep_near({kHand, 0.25, grasp->scene.X_WG.translation()}, 0.9 * kGap);
+    EXPECT_TRUE(space.free(grasp->witness));
+    space.keep_near({});
+    EXPECT_FALSE(space.free(grasp->witness));
+
+    CollisionRows rows(*grasp->model, params.collision, {*grasp->model, params.acceleration_limit, false},
+                       {params.uncertainty, 0});
+    Proximity proximity(grasp->model);
+    proximity.set_objects(grasp->scene.shapes);
+    Kinematics kinematics(grasp->model);
+    kinematics.update(grasp->witness.head<3>(), grasp->witness.tail(7));
+    QpProblem problem;
+    problem.allocate(7 + 6, rows.allocate(1));
+    rows.keep_from_resting(kHand, kClearance, 15.0);
+    rows.select(proximity.query(kinematics, grasp->scene.states, rows.ranges()), grasp->scene.states);
+    rows.add(kinematics, grasp->scene.states, {}, problem);
+    ASSERT_GT(problem.rows, 0);
+    EXPECT_EQ(problem.ubA[0] < 0.0, arm) << "the row asks for more distance";
+  }
+}
+
 // The damper's row lets a distance of 8 mm shrink at gain (d - d_s)/(d_i - d_s); on a path at its rate, which is
 // higher.
 TEST(GoalClearance, PathsMayComeNearAtARateOfTheirOwn) {
@@ -136,7 +188,7 @@ TEST(GoalClearance, PathsMayComeNearAtARateOfTheirOwn) {
   constexpr double kStop = 0.003;
   for (const double rate : {0.0, 1.0, 15.0}) {
     problem.rows = 0;
-    rows.keep_from_resting(kStop, rate);
+    rows.keep_from_resting(kStop, kStop, rate);
     rows.select(proximity.query(kinematics, grasp.scene.states, rows.ranges()), grasp.scene.states);
     rows.add(kinematics, grasp.scene.states, {}, problem);
     ASSERT_GT(problem.rows, 0);
@@ -162,7 +214,7 @@ TEST(GoalClearance, PathsMayComeNearFasterThanTheRobotBrakes) {
   QpProblem problem;
   problem.allocate(7 + 6, rows.allocate(1));
   constexpr double kStop = 0.003, kRate = 15.0;
-  rows.keep_from_resting(kStop, kRate);
+  rows.keep_from_resting(kStop, kStop, kRate);
   const auto bound = [&](const VectorX* path) {
     problem.rows = 0;
     rows.allow(path);
