@@ -103,6 +103,12 @@ export const workshop = (source, makeReport, work) => {
 
 export const dataOf = (html) => JSON.parse(readFileSync(html, 'utf8').split('id="moma-data">')[1].split('</script')[0]);
 
+/** Runs in the page, before its own script: edges of a scene are not smoothed, for which software draws each pixel four times. */
+const withoutSmoothing = () => {
+  const { getContext } = HTMLCanvasElement.prototype;
+  HTMLCanvasElement.prototype.getContext = function context(kind, options) { return getContext.call(this, kind, kind.startsWith('webgl') ? { ...options, antialias: false } : options); };
+};
+
 /** Makes the replay's scene a strip: in software every pixel of it is dear. */
 const asStrip = () => document.head.appendChild(Object.assign(document.createElement('style'), { textContent: '.stage { height: 64px !important; width: 96px !important; }' }));
 export const strip = (page) => page.evaluate(asStrip);
@@ -114,6 +120,7 @@ export const opener = (browser) => async (html, { width = 1280, height = 900, ha
   const context = await browser.newContext({ viewport: { width, height }, deviceScaleFactor: ratio, hasTouch: touch, offline: !served, colorScheme: scheme, reducedMotion: 'reduce', acceptDownloads: true });
   await context.exposeFunction('drawsNoFrame', beginAnew);
   await context.addInitScript(watchFrames);
+  if (process.env.MOMA_SCREENSHOTS === undefined) await context.addInitScript(withoutSmoothing);
   if (!idle) await context.addInitScript(() => { window.requestIdleCallback = () => 0; });
   if (init !== undefined) await context.addInitScript(init);
   const page = await context.newPage();
