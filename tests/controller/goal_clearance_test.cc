@@ -280,6 +280,11 @@ TEST(GoalClearance, PathsLeadToGoalsAtAJointsLimit) {
   for (const bool on : {false, true}) {
     Planner planner(model, params_at_goal(*model, on));
     EXPECT_EQ(plan_whole(planner, scene, 1), on);
+    if (!on) continue;
+    planner.begin(scene.start, scene.X_WG, scene.states, 1, 1e3);
+    long budget = 1L << 40;
+    planner.advance(budget);
+    EXPECT_FALSE(planner.found()) << "the policy arrives in 1000 s: a path that is quicker has to keep its distance";
   }
 }
 
