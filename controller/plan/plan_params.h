@@ -45,6 +45,7 @@ struct WholeBodyIkParams {
   double near = 0.2, far = 1.0, stand = 0.7;
   double joints = 0.6, place = 0.2;
   double stay = 1.5;
+  int hard = 8;
   double tight = 0.7, limit = 0.4, limit_room = 0.5, singular = 1.0, agile = 0.06;
 };
 
@@ -55,10 +56,11 @@ constexpr void describe(auto& v, Of<WholeBodyIkParams>) {
   v.member("far", &T::far, non_negative("m", "largest distance from the goal to the base of a try"));
   v.member("stand", &T::stand, non_negative("m", "the same of a try that stays on the start's side"));
   v.member("joints", &T::joints, non_negative("rad", "range of joints and heading of a try around a solution"));
+  v.member("hard", &T::hard,
+           in_range({1.0, 1e4}, "", "tries for each configuration beyond which a goal close to objects is hard"));
   v.member("place", &T::place, non_negative("m", "the same of the base's place"));
-  v.member(
-      "stay", &T::stay,
-      non_negative("m", "distance up to which the base stays in a third of the tries for a goal close to objects"));
+  v.member("stay", &T::stay,
+           non_negative("m", "distance up to which the base stays in a third of the tries for a hard goal"));
   v.member("tight", &T::tight, non_negative("s", "cost of a goal configuration without the roomy clearance"));
   v.member("limit", &T::limit, non_negative("s", "cost of each joint at its limit"));
   v.member("limit_room", &T::limit_room, positive("rad or m", "distance from a limit at which that cost vanishes"));

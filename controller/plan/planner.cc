@@ -24,8 +24,6 @@ constexpr double kOverlapped = 0.75, kShortened = 0.6;
 constexpr std::array<double, 3> kRoom{1.0, 1.0, 0.0};
 // Distance of goals beyond the rows' stop distances, at which the robot would not arrive [m].
 constexpr double kWithinRows = 0.002;
-// A goal close to objects is hard if more tries than this are needed for a configuration.
-constexpr std::size_t kTriesOfAGoal = 8;
 // Poses of a goal with free directions whose distances from objects are looked at.
 constexpr int kPoses = 8;
 
@@ -89,7 +87,8 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
   set_turn(same && close_goal());
   set_tiers(first);
   // A start that has moved away from an object may keep more than the last plan.
-  goes_on_ = same && tier_ >= first && tier_ <= last_tier() && tiers_[static_cast<std::size_t>(tier_)].follows_from(before);
+  goes_on_ =
+      same && tier_ >= first && tier_ <= last_tier() && tiers_[static_cast<std::size_t>(tier_)].follows_from(before);
   if (!goes_on_) {
     goals_.clear();
     tries_ = 0;
@@ -214,7 +213,7 @@ void Planner::try_goal() noexcept {
   const bool off = params_.search.off_goal > 0.0 && close_goal() && aim == last_tier() && goals_.empty() && effort_ > 1;
   const bool drawn = free_.any() && tries_ % 2 == 1;
   const Isometry X_WG = off ? near_goal() : drawn ? allowed_pose() : X_WG_;
-  const bool hard = close_goal() && kTriesOfAGoal * goals_.size() < static_cast<std::size_t>(tries_);
+  const bool hard = close_goal() && params_.ik.hard * static_cast<int>(goals_.size()) < tries_;
   if (ik_.find(space_, X_WG, start_, goals_, tries_++, draws_, hard, goal.c)) take_goal(goal);
   space_.keep(tiers_[static_cast<std::size_t>(tier_)]);
 }
@@ -373,9 +372,7 @@ void Planner::end_tier() noexcept {
 }
 
 // The last of all is for goals that nothing else reaches: what is only quicker keeps its distance.
-int Planner::last_tier() const noexcept {
-  return at_goal_.enabled && !(within_ < kInfinity) ? kTiers - 1 : kTiers - 2;
-}
+int Planner::last_tier() const noexcept { return at_goal_.enabled && !(within_ < kInfinity) ? kTiers - 1 : kTiers - 2; }
 
 // False if this is the last tier.
 bool Planner::next_tier() noexcept {
