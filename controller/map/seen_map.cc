@@ -18,7 +18,17 @@ constexpr std::size_t kMostFound = 4096;  // boxes among which the nearest are c
 constexpr double kThinnest = 0.01;        // edge of a box [m]
 constexpr double kOften = 0.3;            // boxes are looked at after this time, or where they miss a new cell [s]
 constexpr double kMerge = 1.0;            // all boxes are made anew after this time [s]
+constexpr double kBeside = 0.15;          // of the base, no object at the start [m]
 constexpr int kLevels = 3;                // of rays that begin at the sensor, further from it, ...
+
+Eigen::AlignedBox3d box_around(const Shape& shape, const Isometry& X_WS) noexcept {
+  Vector3 low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    high[axis] = extent_along(shape, X_WS, Vector3::Unit(axis));
+    low[axis] = -extent_along(shape, X_WS, -Vector3::Unit(axis));
+  }
+  return {low, high};
+}
 
 }  // namespace
 
@@ -74,6 +84,7 @@ void SeenMap::reset() {
   chosen_.reserve(std::max(occupied_.states.size(), unseen_.states.size()));
   shapes_X_WS_.assign(model_->shapes.size(), Isometry::Identity());
   shapes_X_SW_ = shapes_X_WS_;
+  around_.assign(model_->shapes.size(), Eigen::AlignedBox3d());
   map_.clear(0.0, 0.0);
 }
 
@@ -104,7 +115,7 @@ void SeenMap::observe(const Observation& o) noexcept {
     made_at_ = merged_at_ = -kNever;
     map_.centre(o.base.x(), o.base.y());
     place_robot(o.base, o.q);
-    if (params_.unseen.enabled) free_own(params_.unseen.start, false);
+    if (params_.unseen.enabled) believe_start();
   }
   const Eigen::Vector3i origin = map_.origin();
   if (map_.centre(o.base.x(), o.base.y())) {
@@ -122,7 +133,7 @@ void SeenMap::observe(const Observation& o) noexcept {
     rays += first->frame.ranges.size();
   }
   place_robot(o.base, o.q);
-  free_own(params_.own, true);
+  for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) free_near(model_->shapes[i].shape, shapes_X_WS_[i], 0.0, true);
   if (o.time - made_at_ < kOften && !map_.uncovered()) return;
   made_at_ = o.time;
   if (o.time - merged_at_ >= kMerge) {
@@ -131,27 +142,27 @@ void SeenMap::observe(const Observation& o) noexcept {
   }
   if (params_.unseen.enabled) {
     // Above the robot nothing is asked of unseen space.
-    CellBox around = region(o.base, params_.unseen.range);
-    around.high.z() = std::min(around.high.z(), map_.cell_of(middle_W_ + Vector3::Constant(radius_)).z());
+    const Vector3 more(params_.unseen.range, params_.unseen.range, 0.0);
     unseen_.boxes.clear();
-    make_boxes(unseen_, around, middle_W_);
+    make_boxes(unseen_, region(around_robot_.min() - more, around_robot_.max() + more));
   }
   left_out_ = 0;
-  make_boxes(occupied_, region(o.base, params_.reach), {o.base.x(), o.base.y(), 0.0});
+  const Vector3 at(o.base.x(), o.base.y(), 0.0), reach(params_.reach, params_.reach, params_.height);
+  make_boxes(occupied_, region(at - reach, at + reach));
 }
 
 void SeenMap::place_robot(const Vector3& base, const VectorX& q) noexcept {
   robot_.place(base, q);
-  Vector3 low = Vector3::Constant(kNever), high = -low;
+  Eigen::AlignedBox3d whole;
   for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) {
     shapes_X_WS_[i] = robot_.X_WS(model_->shapes[i]);
     shapes_X_SW_[i] = shapes_X_WS_[i].inverse(Eigen::Isometry);
-    const Vector3 around = Vector3::Constant(bounding_radius(model_->shapes[i].shape));
-    low = low.cwiseMin(shapes_X_WS_[i].translation() - around);
-    high = high.cwiseMax(shapes_X_WS_[i].translation() + around);
+    around_[i] = box_around(model_->shapes[i].shape, shapes_X_WS_[i]);
+    whole.extend(around_[i]);
   }
-  middle_W_ = 0.5 * (low + high);
-  radius_ = 0.5 * (high - low).norm();
+  around_robot_ = whole;
+  middle_W_ = whole.center();
+  radius_ = 0.5 * whole.diagonal().norm();
 }
 
 bool SeenMap::own(const Vector3& p_W) const noexcept {
@@ -206,46 +217,58 @@ void SeenMap::take(Waiting& sensor) noexcept {
   }
 }
 
-// Cells within `margin` of the robot's shapes are free.
-void SeenMap::free_own(double margin, bool surely) noexcept {
+// Cells whose middle is within `margin` of a shape are free.
+void SeenMap::free_near(const Shape& shape, const Isometry& X_WS, double margin, bool surely) noexcept {
   const Vector3 half = Vector3::Constant(0.5 * map_.cell());
-  for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) {
-    const Shape& shape = model_->shapes[i].shape;
-    Vector3 low, high;
-    for (int axis = 0; axis < 3; ++axis) {
-      high[axis] = extent_along(shape, shapes_X_WS_[i], Vector3::Unit(axis)) + margin;
-      low[axis] = -extent_along(shape, shapes_X_WS_[i], -Vector3::Unit(axis)) - margin;
-    }
-    const Eigen::Vector3i first = map_.cell_of(low).cwiseMax(0), last = map_.cell_of(high).cwiseMin(map_.cells());
-    Eigen::Vector3i c;
-    for (c.x() = first.x(); c.x() <= last.x(); ++c.x())
-      for (c.y() = first.y(); c.y() <= last.y(); ++c.y())
-        for (c.z() = first.z(); c.z() <= last.z(); ++c.z())
-          if (!map_.freed_already(c, surely) &&
-              point_gap(shape, shapes_X_SW_[i] * (map_.low_corner(c) + half)) <= margin)
-            map_.take_for_free(c, surely);
-  }
+  const Isometry X_SW = X_WS.inverse(Eigen::Isometry);
+  const Eigen::AlignedBox3d around = box_around(shape, X_WS);
+  const Vector3 more = Vector3::Constant(margin);
+  const Eigen::Vector3i first = map_.cell_of(around.min() - more).cwiseMax(0),
+                        last = map_.cell_of(around.max() + more).cwiseMin(map_.cells());
+  Eigen::Vector3i c;
+  for (c.x() = first.x(); c.x() <= last.x(); ++c.x())
+    for (c.y() = first.y(); c.y() <= last.y(); ++c.y())
+      for (c.z() = first.z(); c.z() <= last.z(); ++c.z())
+        if (!map_.freed_already(c, surely) && point_gap(shape, X_SW * (map_.low_corner(c) + half)) <= margin)
+          map_.take_for_free(c, surely);
 }
 
-CellBox SeenMap::region(const Vector3& base, double reach) const noexcept {
-  const Vector3 at(base.x(), base.y(), 0.0);
-  CellBox out{map_.cell_of(at - Vector3(reach, reach, 0.0)), map_.cell_of(at + Vector3(reach, reach, 0.0))};
+// What counts as free as the robot starts: `start` around its shapes, and more around the box of its base, since no
+// sensor looks between the base, what stands on it, and the arm.
+void SeenMap::believe_start() noexcept {
+  Eigen::AlignedBox3d body;
+  for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) {
+    const CollisionShape& shape = model_->shapes[i];
+    free_near(shape.shape, shapes_X_WS_[i], params_.unseen.start, false);
+    if (shape.rigid_with_base)
+      body.extend(box_around(shape.shape, robot_.X_WB().inverse(Eigen::Isometry) * shapes_X_WS_[i]));
+  }
+  if (body.isEmpty()) return;
+  const Isometry X_WO = robot_.X_WB() * Eigen::Translation3d(body.center());
+  free_near({ShapeKind::kBox, body.sizes(), nullptr}, X_WO, std::max(kBeside, params_.unseen.start), false);
+}
+
+// The cells above a rectangle of the floor, up to a height.
+CellBox SeenMap::region(const Vector3& low, const Vector3& high) const noexcept {
+  CellBox out{map_.cell_of(low), map_.cell_of(high)};
   out.high.array() += 1;
   out.low.z() = 0;
-  out.high.z() = map_.cells().z();
+  out.high.z() = std::min(out.high.z(), map_.cells().z());
   return out;
 }
 
-// The nearest boxes to `middle` become objects. A box that is one already keeps its place, so that whoever compares
-// objects with those of before finds what has changed.
-void SeenMap::make_boxes(Kind& kind, const CellBox& region, const Vector3& middle) noexcept {
+// The boxes that are nearest to the robot become objects. A box that is one already keeps its place, so that whoever
+// compares objects with those of before finds what has changed.
+void SeenMap::make_boxes(Kind& kind, const CellBox& region) noexcept {
   map_.cover(kind.kind, region, kind.boxes);
   const Vector3 inset = Vector3::Constant(kind.inset);
   order_.clear();
   for (std::size_t i = 0; i < kind.boxes.size(); ++i) {
     const Vector3 low = map_.low_corner(kind.boxes[i].low), high = map_.low_corner(kind.boxes[i].high);
-    const Vector3 nearest = middle.cwiseMax(low + inset).cwiseMin(high - inset);
-    order_.emplace_back((nearest - middle).head<2>().squaredNorm(), static_cast<int>(i));
+    const Eigen::AlignedBox3d box(low + inset, high - inset);
+    double nearest = kNever;
+    for (const Eigen::AlignedBox3d& part : around_) nearest = std::min(nearest, part.squaredExteriorDistance(box));
+    order_.emplace_back(nearest, static_cast<int>(i));
   }
   if (order_.size() > kind.states.size()) {
     left_out_ += static_cast<int>(order_.size() - kind.states.size());

@@ -58,9 +58,10 @@ class SeenMap {
 
   void take(Waiting& sensor) noexcept;
   bool own(const Vector3& p_W) const noexcept;
-  void free_own(double margin, bool surely) noexcept;
+  void free_near(const Shape& shape, const Isometry& X_WS, double margin, bool surely) noexcept;
+  void believe_start() noexcept;
   void place_robot(const Vector3& base, const VectorX& q) noexcept;
-  CellBox region(const Vector3& base, double reach) const noexcept;
+  CellBox region(const Vector3& low, const Vector3& high) const noexcept;
   // The boxes of a kind of cells, and those that are objects. A box that stays keeps its object.
   struct Kind {
     OccupancyMap::Kind kind;
@@ -69,7 +70,7 @@ class SeenMap {
     std::span<ObjectState> states;
     double inset;
   };
-  void make_boxes(Kind& kind, const CellBox& region, const Vector3& middle) noexcept;
+  void make_boxes(Kind& kind, const CellBox& region) noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   MapParams params_;
@@ -77,6 +78,8 @@ class SeenMap {
   OccupancyMap map_;
   Kinematics robot_;
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> shapes_X_WS_, shapes_X_SW_;
+  std::vector<Eigen::AlignedBox3d> around_;  // boxes around the shapes
+  Eigen::AlignedBox3d around_robot_;
   Vector3 middle_W_ = Vector3::Zero();  // of the robot's bounding ball
   double radius_ = 0.0;
   std::vector<Waiting> sensors_;

@@ -68,10 +68,10 @@ TEST(Suite, ToldByDepthNeedsSensorsAndAMap) {
       all += warning + "\n";
     return all;
   };
-  EXPECT_NE(warnings("0.3").find("space 0.4 m about the start counts as free, and worlds.start_room promises 0.3 m"),
+  EXPECT_NE(warnings("0.05").find("space 0.1 m about the start counts as free, and worlds.start_room promises 0.05 m"),
             std::string::npos)
-      << warnings("0.3");
-  EXPECT_EQ(warnings("0.4").find("start_room"), std::string::npos) << warnings("0.4");
+      << warnings("0.05");
+  EXPECT_EQ(warnings("0.1").find("start_room"), std::string::npos) << warnings("0.1");
 }
 
 TEST(Suite, RefusesWhatIsWrongAndSaysWhere) {

@@ -289,6 +289,127 @@ TEST(SeenMap, AStepTakesNoMoreFramesThanItHasRaysFor) {
   EXPECT_EQ(steps, 5) << "four cameras, and two scanners in one step";
 }
 
+// Distances from cells' middles by the distance library.
+double gap_to_robot(const Rig& rig, const Vector3& p) {
+  Kinematics kinematics(robot_with_cameras());
+  kinematics.place(rig.base, rig.q);
+  Isometry X_WP = Isometry::Identity();
+  X_WP.translation() = p;
+  double least = kInfinity;
+  for (const CollisionShape& own : robot_with_cameras()->shapes)
+    least = std::min(
+        least, shape_distance({ShapeKind::kSphere, {1e-3, 0, 0}, nullptr}, X_WP, own.shape, kinematics.X_WS(own)).d);
+  return least;
+}
+
+// A robot that comes near takes nothing out of the map but the cells that it fills on its way.
+TEST(SeenMap, ComingNearToSomethingDoesNotRemoveIt) {
+  Rig rig;
+  MapParams params = with_map().map;
+  SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
+  for (long k = 0; k < 20; ++k) {
+    for (const DepthFrame& frame : rig.frames(k)) map.see(frame);
+    map.observe(seen_by(rig, k));
+  }
+  const OccupancyMap& cells = map.map();
+  const Vector3 half = Vector3::Constant(0.5 * cells.cell());
+  const OccupancyMap before = cells;
+  const auto least_to_box = [&] {
+    Kinematics kinematics(robot_with_cameras());
+    kinematics.place(rig.base, rig.q);
+    double least = kInfinity;
+    for (const CollisionShape& own : robot_with_cameras()->shapes)
+      least = std::min(least,
+                       shape_distance(own.shape, kinematics.X_WS(own), room().objects[0].shape, rig.states[0].X_WO).d);
+    return least;
+  };
+  // Frames are empty while it moves up to 1.5 cm before the box.
+  for (long k = 20; least_to_box() > 0.015; ++k) {
+    rig.base.x() += 0.01;
+    DepthFrame nothing = rig.frames(0).front();
+    nothing.ranges.setZero();
+    nothing.time = static_cast<double>(k) * kStep;
+    map.see(nothing);
+    map.observe(seen_by(rig, k));
+  }
+  int occupied = 0, unseen = 0;
+  Eigen::Vector3i c;
+  for (c.x() = 0; c.x() < before.cells().x(); ++c.x())
+    for (c.y() = 0; c.y() < before.cells().y(); ++c.y())
+      for (c.z() = 0; c.z() < before.cells().z(); ++c.z()) {
+        if (!before.occupied(c) && !before.unseen(c)) continue;
+        const Vector3 middle = before.low_corner(c) + half;
+        if ((middle - rig.base).head<2>().norm() > 1.2) continue;
+        if (before.odds(c) == cells.odds(c + before.origin() - cells.origin())) continue;
+        double gap = kInfinity;
+        for (Rig there; there.base.x() <= rig.base.x(); there.base.x() += 0.01)
+          gap = std::min(gap, gap_to_robot(there, middle));
+        if (gap > 0.005) ++(before.occupied(c) ? occupied : unseen);
+      }
+  EXPECT_EQ(occupied, 0) << "cells of what it saw";
+  EXPECT_EQ(unseen, 0) << "cells that nobody has seen";
+}
+
+// Before any ray: free is what is as near to the robot as it believes, and the space beside and above its base.
+TEST(SeenMap, AtTheStartLittleCountsAsFree) {
+  Rig rig;
+  const MapParams params = with_map().map;
+  SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
+  for (DepthFrame frame : rig.frames(0)) {
+    frame.ranges.setZero();
+    map.see(frame);
+  }
+  map.observe(seen_by(rig, 0));
+  const OccupancyMap& cells = map.map();
+  int free = 0, far = 0, missed = 0;
+  Eigen::Vector3i c;
+  for (c.x() = 0; c.x() < cells.cells().x(); ++c.x())
+    for (c.y() = 0; c.y() < cells.cells().y(); ++c.y())
+      for (c.z() = 0; c.z() < cells.cells().z(); ++c.z()) {
+        const Vector3 middle = cells.low_corner(c) + Vector3::Constant(0.5 * cells.cell());
+        if ((middle - rig.base).head<2>().norm() > 1.3) continue;
+        const bool beside = std::abs(middle.x()) < 0.55 && std::abs(middle.y()) < 0.45;
+        if (beside && cells.unseen(c)) continue;
+        const double gap = gap_to_robot(rig, middle);
+        if (!cells.unseen(c)) {
+          ++free;
+          far += gap > params.unseen.start && !beside ? 1 : 0;
+        } else {
+          missed += gap < params.unseen.start - 0.002 ? 1 : 0;
+        }
+      }
+  EXPECT_GT(free, 1000);
+  EXPECT_EQ(far, 0);
+  EXPECT_EQ(missed, 0);
+}
+
+// Of many unseen cells those at the hand become boxes, wherever the arm is stretched to.
+TEST(SeenMap, UnseenSpaceIsNearestToTheArmFirst) {
+  Rig rig;
+  rig.q << 0.0, 1.2, 0.0, -0.6, 0.0, 1.8, 0.8;  // stretched ahead
+  const MapParams params = with_map().map;
+  SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
+  for (DepthFrame frame : rig.frames(0)) {
+    frame.ranges.setZero();
+    map.see(frame);
+  }
+  map.observe(seen_by(rig, 0));
+  Kinematics kinematics(robot_with_cameras());
+  kinematics.place(rig.base, rig.q);
+  for (const CollisionShape& own : robot_with_cameras()->shapes) {
+    if (own.rigid_with_base) continue;
+    double least = kInfinity;
+    for (const ObjectState& state : map.states()) {
+      if (!state.visible || state.seen) continue;
+      least = std::min(
+          least, shape_distance(own.shape, kinematics.X_WS(own), {ShapeKind::kBox, state.box, nullptr}, state.X_WO).d);
+    }
+    const Vector3 p = kinematics.X_WS(own).translation();
+    if ((p - rig.base).head<2>().norm() < 0.65) continue;  // above the base all is free
+    EXPECT_LT(least, params.unseen.start + 0.03) << own.name;
+  }
+}
+
 // The whole controller, with frames, unseen space, rows, check, plans.
 TEST(SeenMap, AStepOfTheControllerTakesNoMemory) {
   if (!NoAlloc::works()) GTEST_SKIP() << "a sanitizer owns malloc";
