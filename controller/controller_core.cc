@@ -130,7 +130,7 @@ bool ControllerCore::usable(const Observation& o) const noexcept {
   if (o.q.size() != model_->num_joints() || o.qdot.size() != model_->num_velocities() || o.objects.size() != told_)
     return false;
   if (!std::isfinite(o.time) || !o.base.allFinite() || !o.q.allFinite() || !o.qdot.allFinite() || !finite(o.goal) ||
-      (o.next && !finite(*o.next)))
+      (o.next && !finite(*o.next)) || (o.upright && !(o.upright->axis.allFinite() && std::isfinite(o.upright->angle))))
     return false;
   for (const ObjectState& object : o.objects)
     if (object.visible &&

@@ -108,6 +108,14 @@ struct PostureParams {
   VectorX target;       ///< resolved joint values
 };
 
+/// How the robot keeps Observation::upright: the row of the tilt (qp/upright.h), and the plans.
+struct UprightParams {
+  bool enabled = false;
+  double gain = 3.0;     ///< [1/s]
+  double margin = 0.15;  ///< share of the angle that the row keeps
+  double plan = 0.75;    ///< share of the angle up to which plans tilt the tool
+};
+
 /// Stagnation and detours (task/escape.h).
 struct EscapeParams {
   bool enabled = false;
@@ -167,6 +175,7 @@ struct ControllerParams {
   CollisionParams collision;
   VectorX acceleration_weight;  ///< lambda_qdd per velocity; default 0
   PostureParams posture;
+  UprightParams upright;
   VectorX acceleration_limit;  ///< per velocity, default infinite [rad/s^2, m/s^2]
   double base_share = 0.0;  ///< share of the robot's own base.max_acceleration, in every stage; 0: `acceleration_limit`
   double joint_share = 0.0;  ///< share of the joints' own accelerations, where known; 0: `acceleration_limit`

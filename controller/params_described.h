@@ -113,6 +113,13 @@ constexpr void describe(auto& v, Of<PostureParams>) {
             {.unit = "rad or m", .per = Per::kJoint, .text = "posture to which the joints are drawn"});
 }
 
+constexpr void describe(auto& v, Of<UprightParams>) {
+  using T = UprightParams;
+  v.member("gain", &T::gain, positive("1/s", "rate of tilting per angle that is left"));
+  v.member("margin", &T::margin, in_range({0.0, 1.0}, "1", "share of the angle that the row keeps from its end"));
+  v.member("plan", &T::plan, in_range({0.0, 1.0, true, false}, "1", "share of the angle that plans use"));
+}
+
 constexpr void describe(auto& v, Of<EscapeParams>) {
   using T = EscapeParams;
   v.member("scale", &T::scale, non_negative("m/rad", "factor on the orientation error in V = |e_p| + scale |e_R|"));
@@ -183,6 +190,8 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
         {.range = Range::non_negative(), .per = Per::kVelocity, .one_for_all = true, .text = "lambda_qdd; default 0"});
   });
   v.member("posture", &T::posture, {.text = "the term that draws the joints to a posture"});
+  v.optional("upright", &T::upright, &UprightParams::enabled, Off::kOmitted,
+             "the tool stays upright if the observation asks for it");
   v.group("limits", "bounds beyond the robot's own", [](auto& g) {
     g.member("acceleration", &T::acceleration_limit,
              {.unit = "m/s^2 or rad/s^2",

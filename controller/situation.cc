@@ -13,6 +13,7 @@ void copy_observation(const Observation& from, Observation& to) noexcept {
   to.qdot = from.qdot;
   to.goal = from.goal;
   to.next = from.next;
+  to.upright = from.upright;
   std::copy_n(from.objects.begin(), std::min(from.objects.size(), to.objects.size()), to.objects.begin());
 }
 

@@ -9,6 +9,7 @@
 #include "controller/escape_state.h"
 #include "controller/lookahead/plan_brief.h"
 #include "controller/model/proximity.h"
+#include "controller/model/upright.h"
 #include "controller/status.h"
 #include "controller/types.h"
 
@@ -33,6 +34,7 @@ struct Observation {
   VectorX qdot;                    ///< measured velocity, num_velocities()
   GoalState goal;
   std::optional<GoalState> next;     ///< the goal after it, where one follows and is known
+  std::optional<Upright> upright;    ///< path constraint of the whole motion
   std::vector<ObjectState> objects;  ///< in the number and order of reset()
 };
 

@@ -53,6 +53,7 @@ constexpr void describe(auto& v, Of<Observation>) {
            {.unit = "rad/s or m/s", .per = Per::kVelocity, .text = "measured velocities, base first"});
   v.member("goal", &T::goal, {.required = true, .text = "a pose, its twist and what it asks for"});
   v.member("next", &T::next, {.text = "the goal after it; where none is told, it is the last one as far as is known"});
+  v.member("upright", &T::upright, {.text = "path constraint of the whole motion"});
   v.member("objects", &T::objects, {.text = "in the order of the reset"});
 }
 

@@ -24,7 +24,7 @@ extern "C" {
 
 /** Raised whenever a function or struct below changes, and with it the protocol of processes
  * (plugin/process/session.h). A library made for another version is refused. */
-#define MOMA_PLUGIN_ABI 5
+#define MOMA_PLUGIN_ABI 6
 
 #if defined(_WIN32)
 #define MOMA_PLUGIN_EXPORT __declspec(dllexport)
@@ -110,6 +110,9 @@ typedef struct moma_observation {
   double twist_next[6]; /**< [rad/s, m/s] [angular; linear], the goal's own; 0 where it stands still */
   double stop_next; /**< 1 or 0; where it is not, the hand passes through on its way on */
   double free_next[6]; /**< 1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z */
+  double has_upright; /**< 0: there is none, its numbers mean nothing */
+  double axis_upright[3]; /**< axis of E, of any length but 0, that stays near the vertical */
+  double angle_upright; /**< [rad] largest angle between that axis and the vertical */
 /* end of numbers of an observation */
   /* clang-format on */
   const double* q;

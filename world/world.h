@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "controller/model/proximity.h"
+#include "controller/model/upright.h"
 #include "world/draws.h"
 #include "world/motion.h"
 
@@ -52,6 +53,7 @@ struct World {
   Configuration start;
   WorldGoal goal;
   std::vector<WorldGoal> further;  ///< goals after it, one after the other
+  std::optional<Upright> upright;  ///< path constraint of the whole trial
   std::vector<WorldObject> objects;
   Configuration witness;  ///< reaches the first goal (at t = 0) clear of all objects
   Difficulty difficulty;

@@ -81,6 +81,7 @@ constexpr void describe(auto& v, Of<World>) {
   v.member("family", &T::family, {});
   v.member("robot", &T::robot, {});
   v.member("start", &T::start, {.required = true});
+  v.member("upright", &T::upright, {});
 }
 
 namespace {
@@ -245,6 +246,7 @@ World world_from_node(const Node& node, const std::string& key) {
   MapReader in(node, key);
   World out;
   config::read_members(in, out);
+  if (out.upright && !(out.upright->axis.norm() > 1e-9)) in.fail_at("upright", "expected an axis that is not zero");
   if (const Node* several = in.get("goals")) {
     if (in.get("goal") != nullptr) in.fail_at("goals", "expected either goal or goals");
     config::description::read_any(*several, in.key_of("goals"), out.further, {}, {});

@@ -77,6 +77,9 @@ std::string row_meaning(const QpProblem& problem, int row) {
                        0.5 * (bound - problem.lbA[row]));
     case RowKind::kSeparation:
       return formatted("may approach what moves at no more than %.4g m/s, to stand before they meet", bound);
+    case RowKind::kUpright:
+      return formatted("the tool's axis %s %.4g rad/s",
+                       bound >= 0.0 ? "may tilt at no more than" : "must rise at no less than", std::abs(bound));
     case RowKind::kObject:
     case RowKind::kFloor:
     case RowKind::kSelf:

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,11 @@ class Choice {
 
   /// Sets the axes of the goal, for a goal with free directions, whose pose in an observation is the nearest one.
   void set_goal_axes(const Matrix3& R_WG) noexcept { R_WG_ = R_WG; }
+  /// Keeps the tool upright on all ways and paths.
+  void keep_upright(const std::optional<Upright>& upright) noexcept {
+    direct_way_.keep_upright(upright);
+    planner_.keep_upright(upright);
+  }
   /// Begins a choice that takes effect at `from`, where the direct policy needs `direct_time` seconds (negative: it
   /// fails). `number` counts choices from 1 and seeds the draws of a plan. Without `plans` only a direct way counts.
   void begin(const Observation& from, double direct_time, int number, bool plans = true) noexcept;

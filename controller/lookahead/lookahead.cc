@@ -42,6 +42,7 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
       escape_(params.escape),
       dt_(control_period),
       mobile_(model->mobile()),
+      keeps_upright_(params.upright.enabled),
       choice_(model, params),
       slope_(params.collision.at_goal.slope),
       watch_(model, params.plan.decisions, planner().limits(), slope_),
@@ -174,6 +175,7 @@ bool Lookahead::near_mover(const Observation& o) const noexcept {
 
 void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3& R_WG) noexcept {
   choice_.set_goal_axes(R_WG);
+  if (keeps_upright_) choice_.keep_upright(o.upright);
   const RolloutLimits limits = prediction_limits(params_, escape_, params_.horizon);
   arrived_ = error.tail<3>().norm() < limits.position && error.head<3>().norm() < limits.orientation;
   const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing;

@@ -109,6 +109,7 @@ class Lookahead {
   EscapeParams escape_;
   double dt_;
   bool mobile_;
+  bool keeps_upright_;
   Choice choice_;
   double slope_;  // growth of a path's distance from objects with the distance from its goal
   PathWatch watch_;

@@ -50,6 +50,7 @@ Rollout::Rollout(std::shared_ptr<const RobotModel> model, ControllerParams param
       period_(period),
       patience_(params.escape.patience),
       servo_(params.servo),
+      keeps_upright_(params.upright.enabled),
       policy_(std::move(model), on_time(std::move(params)), period) {
   policy_.prepare(result_);
   reset({});
@@ -80,6 +81,9 @@ RolloutEnd Rollout::step() noexcept {
   policy_.step(state_, result_);
   if (result_.error.tail<3>().norm() < limits_.position && result_.error.head<3>().norm() < limits_.orientation)
     return end_ = RolloutEnd::kArrives;
+  const std::optional<Upright>& upright = state_.upright;
+  if (upright && keeps_upright_ && tilt(*upright, policy_.kinematics()) > upright->angle)
+    return end_ = RolloutEnd::kTouches;
   // The hand may be nearer to the object that it grasps.
   if (result_.least_distance < std::min(limits_.touch, 0.5 * policy_.kept_stop())) return end_ = RolloutEnd::kTouches;
   if (limits_.stagnation_ends && policy_.escape_state().stagnations > allowed_) return end_ = RolloutEnd::kStagnates;

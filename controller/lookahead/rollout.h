@@ -14,7 +14,7 @@ namespace moma {
 enum class RolloutEnd {
   kGoesOn,     ///< it has not ended, or its time is up
   kArrives,    ///< E is at the goal
-  kTouches,    ///< an object comes too near
+  kTouches,    ///< an object comes too near, or the tool tilts too far
   kStagnates,  ///< no progress: one stagnation more than allowed
   kLate,       ///< E cannot be at the goal within its time any more
 };
@@ -82,6 +82,7 @@ class Rollout {
   double period_;
   double patience_;
   ServoParams servo_;
+  bool keeps_upright_;
   ControllerCore policy_;
   RolloutLimits limits_;
   int allowed_ = 0;  // stagnations

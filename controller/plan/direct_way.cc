@@ -38,6 +38,7 @@ DirectWay::DirectWay(std::shared_ptr<const RobotModel> model, const ControllerPa
       ik_(model, params.plan.ik, limits_),
       goal_clearance_(*model),
       passing_(limits_, params_, space_, ik_),
+      upright_share_(params.upright.plan),
       start_{WholeConfiguration::Zero(3 + model->num_joints()), WholeConfiguration::Zero(3 + model->num_joints())} {
   ends_.reserve(static_cast<std::size_t>(params_.direct));
 }
@@ -51,6 +52,7 @@ void DirectWay::set_objects(std::span<const ObjectShape> objects) {
 // Takes objects and clearances. False if there is no direct way: start or goal are too near to an object.
 bool DirectWay::clear(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept {
   space_.set_states(objects);
+  space_.keep_upright(upright_, upright_share_, start.c, X_WG);
   space_.set_clearances({params_.clearance, params_.self, params_.self}, start.c);
   close_goal_ = space_.least_at_goal(goal_clearance_, start.c, X_WG, params_.clearance) < params_.clearance;
   return !close_goal_ && !(start.moves() && space_.clearances().object < params_.clearance);

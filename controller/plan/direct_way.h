@@ -26,6 +26,8 @@ class DirectWay {
   DirectWay(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
   void set_objects(std::span<const ObjectShape> objects);
+  /// Keeps the tool upright on the ways that begin from now on.
+  void keep_upright(const std::optional<Upright>& upright) noexcept { upright_ = upright; }
   void begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
   /// Begins a search for a way through the goal at X_WG, past the configuration `pass` or near it, to the goal at X_WN,
   /// in less than `within` seconds. The most promising ways to the goal (passing_way.h) go on as direct ways from
@@ -76,6 +78,8 @@ class DirectWay {
   PassingWay passing_;
 
   Stage stage_ = Stage::kDone;
+  std::optional<Upright> upright_;
+  double upright_share_;  // of its angle, on the ways
   bool close_goal_ = false;
   MotionState start_;
   Isometry X_WG_ = Isometry::Identity();

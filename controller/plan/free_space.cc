@@ -67,6 +67,24 @@ void FreeSpace::set_clearances(const Clearances& clearances, const WholeConfigur
   }
 }
 
+void FreeSpace::keep_upright(const std::optional<Upright>& upright, double share, const WholeConfiguration& start,
+                             const Isometry& X_WG) noexcept {
+  constexpr double kMore = 0.01;  // [rad]
+  upright_ = upright;
+  if (!upright) return;
+  const double at_goal = std::min(upright->angle, tilt(*upright, X_WG.linear()) + kMore);
+  upright_->angle = std::max({share * upright->angle, at_goal, tilt(*upright, place(start)) + kMore});
+}
+
+bool FreeSpace::bring_upright(WholeConfiguration& c) noexcept {
+  constexpr double kInside = 0.8;  // share of the angle
+  if (!upright_ || tilt(*upright_, place(c)) <= upright_->angle) return true;
+  const int updates = moma::bring_upright(*upright_, kInside * upright_->angle, keeps_.low, keeps_.high, kinematics_,
+                                          c.tail(c.size() - 3));
+  checks_ += 2;
+  return updates > 0;
+}
+
 void FreeSpace::unwind(WholeConfiguration& c) const noexcept {
   for (int i = 0; i < limits_->num_joints(); ++i) {
     double& q = c[3 + i];
@@ -84,6 +102,7 @@ bool FreeSpace::free(const WholeConfiguration& c) noexcept {
 bool FreeSpace::clear(const WholeConfiguration& c, const Clearances& clearances) noexcept {
   ++checks_;
   kinematics_.place(c.head<3>(), c.tail(c.size() - 3));
+  if (upright_ && tilt(*upright_, kinematics_) > upright_->angle) return false;
   ProximityRanges ranges = ranges_of(clearances);
   if (!(keeps_.at_goal.at_goal < ranges.object)) return proximity_.clear(kinematics_, ranges);
   // With half the clearances, half of the distances at the goal count.

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "controller/model/proximity.h"
+#include "controller/model/upright.h"
 #include "controller/plan/edge.h"
 #include "controller/safe/goal_clearance.h"
 
@@ -43,9 +45,9 @@ struct Keeps {
   }
 };
 
-/// Checks that configurations and edges stay clear of objects at rest, the floor and the robot itself, and inside the
-/// joint limits. It counts its work in checks; one check computes one configuration's distances. One per worker. Only
-/// set_objects() allocates.
+/// Checks that configurations and edges stay clear of objects at rest, the floor and the robot itself, inside the joint
+/// limits, and upright if that is asked for. It counts its work in checks; one check computes one configuration's
+/// distances. One per worker. Only set_objects() allocates.
 class FreeSpace {
  public:
   FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits& limits);
@@ -69,6 +71,12 @@ class FreeSpace {
     keeps_.at_goal = hand;
     keeps_.arm_at_goal = arm;
   }
+  /// Keeps the tool upright with `share` of the angle, or what start and goal need; or not at all.
+  void keep_upright(const std::optional<Upright>& upright, double share, const WholeConfiguration& start,
+                    const Isometry& X_WG) noexcept;
+  bool keeps_upright() const noexcept { return upright_.has_value(); }
+  /// Moves the arm until the tool is upright if it has to be. False if that fails.
+  bool bring_upright(WholeConfiguration& c) noexcept;
   /// All of these settings; keep() restores them.
   const Keeps& keeps() const noexcept { return keeps_; }
   void keep(const Keeps& keeps) noexcept { keeps_ = keeps; }
@@ -116,6 +124,7 @@ class FreeSpace {
   std::vector<char> hand_;  // of each shape: it is rigid with E
   std::vector<ObjectState> states_;
   Keeps keeps_;
+  std::optional<Upright> upright_;  // its angle: that of plans
   WholeConfiguration point_;
   long checks_ = 0;
 };

@@ -46,7 +46,8 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
       at_goal_(params.collision.at_goal),
       position_(params.escape.position),
       orientation_(params.escape.orientation),
-      goal_clearance_(*model) {
+      goal_clearance_(*model),
+      upright_share_(params.upright.plan) {
   // Some links are nearer to each other than that in every configuration.
   WholeConfiguration ready = WholeConfiguration::Zero(3 + model->num_joints());
   ready.tail(model->num_joints()) = model->ready;
@@ -63,6 +64,12 @@ void Planner::set_objects(std::span<const ObjectShape> objects) {
   stage_ = PlanStage::kIdle;
 }
 
+void Planner::keep_upright(const std::optional<Upright>& upright) noexcept {
+  if (upright == upright_) return;
+  upright_ = upright;
+  stage_ = PlanStage::kIdle;  // what the last plan found may tilt the tool
+}
+
 void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
                     std::uint64_t seed, double within, const Braking& braking, const FreeDirections& free) noexcept {
   const bool same = stage_ != PlanStage::kIdle && !free.any() && same_world(X_WG, objects);
@@ -75,6 +82,7 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
   free_ = free;
   draws_ = {seed, 0};
   space_.set_states(objects);
+  space_.keep_upright(upright_, upright_share_, start, X_WG);
   counts_ = {};
   needed_ = kInfinity;
   if (at_goal_.enabled) {

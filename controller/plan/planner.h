@@ -50,6 +50,8 @@ class Planner {
   Planner(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
 
   void set_objects(std::span<const ObjectShape> objects);
+  /// Keeps the tool upright in the plans that begin from now on.
+  void keep_upright(const std::optional<Upright>& upright) noexcept;
   /// Begins a plan from `start`, where the robot rests after `braking`, among visible objects at rest. Its path
   /// includes the braking. The plan fails if it finds no path quicker than `within` [s]. If goal and objects are those
   /// of the last plan, it keeps that plan's goal configurations and their tree and continues in its tier, with twice
@@ -114,6 +116,8 @@ class Planner {
   GoalClearanceParams at_goal_;
   double position_, orientation_;  // tolerances of the goal [m, rad]
   GoalClearance goal_clearance_;
+  std::optional<Upright> upright_;
+  double upright_share_;       // of its angle, in plans
   double needed_ = kInfinity;  // the hand's distance at the goal; infinite where it is not below the clearance [m]
   int effort_ = 1;
   bool goes_on_ = false;  // with goal configurations and tree of the last plan

@@ -15,8 +15,9 @@ struct SampleKinds {
   double tucked, between, near_goal, near_start;
 };
 constexpr SampleKinds kBolted{0.0, 0.1, 0.3, 0.3};
-constexpr double kShortWay = 0.05;  // shorter steps keep their heading [m]
-constexpr int kBlocked = 2;         // cost of a search in a tree, in checks
+constexpr double kUprightStep = 0.5;  // longest step of a joint where the tool stays upright [rad]
+constexpr double kShortWay = 0.05;    // shorter steps keep their heading [m]
+constexpr int kBlocked = 2;           // cost of a search in a tree, in checks
 
 // True if the hand is close to an object at its goal.
 bool narrow(const FreeSpace& space) noexcept { return space.kept().at_goal < space.clearances().object; }
@@ -195,6 +196,7 @@ int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguratio
     else
       b[2] = mobile ? a[2] + part * wrapped(target[2] - a[2]) : a[2];
   }
+  if (space.keeps_upright() && !keep_upright(space, a, target, b, reached)) return -1;
   make_edge(*limits_, a, b, edge_);
   double free = space.free_part(edge_, check_step_);
   if (free == 1.0) return tree.add(b, from);
@@ -207,6 +209,23 @@ int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguratio
     if (!space.free(edge_, check_step_)) return -1;
   }
   return tree.add(b, from);
+}
+
+// Shortens a step so that joints move straight enough, and moves its end to where the tool is upright (after Berenson
+// et al., "Manipulation planning on constraint manifolds", ICRA 2009). False if that end is no nearer to the target.
+bool Search::keep_upright(FreeSpace& space, const WholeConfiguration& a, const WholeConfiguration& target,
+                          WholeConfiguration& b, bool& reached) noexcept {
+  const Eigen::Index joints = limits_->num_joints();
+  const double turn = (b - a).tail(joints).lpNorm<Eigen::Infinity>();
+  if (turn > kUprightStep) {
+    b.tail(joints) = a.tail(joints) + kUprightStep / turn * (b - a).tail(joints);
+    reached = false;
+  }
+  const WholeConfiguration straight = b;
+  if (!space.bring_upright(b)) return false;
+  if (b == straight) return true;
+  reached = false;
+  return distance_squared(b, target) < distance_squared(a, target);
 }
 
 // Makes the edges from the start to the trees' meeting point, and on along the goals' tree.

@@ -79,6 +79,8 @@ class Search {
   bool sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) noexcept;
   void sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept;
   int grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept;
+  bool keep_upright(FreeSpace& space, const WholeConfiguration& a, const WholeConfiguration& target,
+                    WholeConfiguration& b, bool& reached) noexcept;
   bool join(int from_start, int from_goal) noexcept;
   Tree& tree(int side) noexcept { return side == 0 ? from_start_ : from_goal_; }
 

@@ -48,6 +48,8 @@ QpPoser::QpPoser(std::shared_ptr<const RobotModel> model, const ControllerParams
                  {params.uncertainty, model_->base_dof()}),
       separation_(*model_, params.collision, {*model_, params.acceleration_limit, params.base_share > 0.0},
                   {params.uncertainty, model_->base_dof()}),
+      upright_(params.upright, params.collision.braking, {*model_, params.acceleration_limit, params.base_share > 0.0},
+               model_->num_velocities()),
       goal_clearance_(*model_),
       stop_(params.collision.object.stop) {
   bounds_.allocate(model_->num_velocities());
@@ -62,7 +64,8 @@ void QpPoser::set_objects(std::span<const ObjectShape> objects) {
   goal_clearance_.allocate(objects.size());
   const int near_rows = collision_.allocate(num_objects) + separation_.allocate(num_objects);
   const int drive_rows = limits_.linear_pair(VectorX::Zero(nv)).on ? 2 : 0;
-  problem_.allocate(nv + (params_.slack.enabled ? 6 : 0), 6 + near_rows + num_wheels(model_->base) + drive_rows);
+  problem_.allocate(nv + (params_.slack.enabled ? 6 : 0),
+                    6 + near_rows + num_wheels(model_->base) + drive_rows + upright_.most());
   objective_.allocate(problem_.n());
   if (params_.slack.enabled) {
     problem_.lb.tail<6>() = -params_.slack.limit;
@@ -127,6 +130,7 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
     add_wheel_rows(model_->base, problem_);
     add_drive_rows(bounds_.pair, problem_);
   }
+  upright_.add(now, problem_);
   return {asked_, bounds_, problem_, near(), stop_};
 }
 

@@ -10,6 +10,7 @@
 #include "controller/qp/problem.h"
 #include "controller/qp/separation.h"
 #include "controller/qp/terms.h"
+#include "controller/qp/upright.h"
 #include "controller/safe/goal_clearance.h"
 #include "controller/situation.h"
 
@@ -68,6 +69,7 @@ class QpPoser {
   Proximity proximity_;
   CollisionRows collision_;
   SeparationRows separation_;
+  UprightRow upright_;
   GoalClearance goal_clearance_;
   double stop_;
   QpTask asked_;

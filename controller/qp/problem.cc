@@ -58,6 +58,8 @@ std::string row_name(const RowId& id, const RobotModel& model, std::span<const s
       return id.first == 0 ? "drive/+" : "drive/-";
     case RowKind::kWheel:
       return "wheel/" + std::string(kind_of(model.base.type).wheel_names[static_cast<std::size_t>(id.first)]);
+    case RowKind::kUpright:
+      return "upright";
   }
   return "?";
 }

@@ -12,7 +12,7 @@ namespace moma {
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-enum class RowKind { kTracking, kObject, kFloor, kSelf, kSeparation, kWheel, kDrive };
+enum class RowKind { kTracking, kObject, kFloor, kSelf, kSeparation, kWheel, kDrive, kUpright };
 
 /// True if the row bounds the rate of a distance.
 constexpr bool is_collision(RowKind kind) noexcept {
@@ -25,7 +25,7 @@ inline constexpr double kNoEffect = 1e-9;
 
 /// Subject of a constraint row, with its input quantities. tracking: (component 0-5, -); object: (robot shape, object);
 /// floor: (robot shape, -); self: (robot shape, robot shape); separation: (robot shape, object); wheel: (wheel, -);
-/// drive: (0 or 1: the diagonal x + y or x - y, -).
+/// drive: (0 or 1: the diagonal x + y or x - y, -); upright: (0, -).
 struct RowId {
   RowKind kind = RowKind::kTracking;
   int first = 0;
@@ -65,7 +65,7 @@ struct QpProblem {
 };
 
 /// "tracking/3", "object/NAME/SHAPE", "floor/SHAPE", "self/A/B",
-/// "separation/NAME/SHAPE", "wheel/left", "drive/+".
+/// "separation/NAME/SHAPE", "wheel/left", "drive/+", "upright".
 std::string row_name(const RowId& id, const RobotModel& model, std::span<const std::string> object_names);
 
 /// Returns the largest of: violation of bounds and rows; |H x + g + A^T lambda + mu|; a multiplier's wrong sign;

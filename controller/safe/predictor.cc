@@ -250,6 +250,7 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   filter_.measure(o.goal.X_WG, o.goal.V_WG_W, m.goal);
   out_.goal = o.goal;
   out_.next = o.next;
+  out_.upright = o.upright;
   out_.goal.X_WG = m.goal.X_W();
   out_.goal.V_WG_W.setZero();
   if (m.goal.moving) {

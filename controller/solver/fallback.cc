@@ -9,7 +9,7 @@ namespace {
 constexpr double kSlackCost = 1e6;
 
 bool is_soft(RowKind kind, bool only_separation) noexcept {
-  return kind == RowKind::kSeparation || (!only_separation && is_collision(kind));
+  return kind == RowKind::kSeparation || (!only_separation && (is_collision(kind) || kind == RowKind::kUpright));
 }
 
 bool has_soft(const QpProblem& problem, bool only_separation) noexcept {

@@ -14,7 +14,7 @@ namespace moma {
 ///  1. relaxed: one common slack s >= 0 on all separation rows, at cost 1/2 1e6 s^2 (skipped without such
 ///     rows): rows with a longer horizon give way to rows that hold now;
 ///  2. no_acceleration: the original without acceleration bounds (skipped if there are none);
-///  3. relaxed: the slack on all collision rows as well (skipped without such rows);
+///  3. relaxed: the slack on all collision rows and the row of the tilt as well (skipped without such rows);
 ///  4. brake: x = clip(0, lb, ub) in the original bounds, acceleration included; delta = 0.
 /// With Relaxation::kBackup, stage 3 has two slacks. With u_b the smallest command within the stage's bounds, rows of
 /// resting objects, floor and self give way by s g_r / max g, g_r = max(0, c_r u_b - zeta_r), s >= 0 at cost 1/2 1e6

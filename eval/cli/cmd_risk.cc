@@ -16,8 +16,9 @@ namespace moma::cli {
 namespace {
 
 void add_rare_event(CLI::App& command, std::string& event) {
-  command.add_option("--event", event,
-                     "collision, timeout, stuck, joint_limit, infeasible, METRIC<VALUE or METRIC>VALUE (collision)");
+  command.add_option(
+      "--event", event,
+      "collision, timeout, stuck, joint_limit, spilled, infeasible, METRIC<VALUE or METRIC>VALUE (collision)");
 }
 
 /// Throws UsageError, naming `command`.

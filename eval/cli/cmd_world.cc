@@ -43,6 +43,9 @@ void print(const World& world) {
                              vector_text(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z())), motion_text(goal.motion),
                              goal.stop ? "" : ", passed through");
   }
+  if (world.upright)
+    std::cout << fmt::format("upright  axis {} of E within {:.4g} rad of the vertical\n",
+                             vector_text(world.upright->axis), world.upright->angle);
   std::cout << fmt::format("witness  base {} q {}\n\n", vector_text(world.witness.base), vector_text(world.witness.q));
   const Difficulty& d = world.difficulty;
   write(std::cout,

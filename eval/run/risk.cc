@@ -23,11 +23,10 @@ struct Nearness {
   const char* metric;
   double sign;
 };
-constexpr Nearness kNearness[] = {{Outcome::kCollision, "clearance_min_m", -1.0},
-                                  {Outcome::kTimeout, "time_end_s", 1.0},
-                                  {Outcome::kStuck, "position_error_m", 1.0},
-                                  {Outcome::kJointLimit, "limit_margin_min", -1.0},
-                                  {Outcome::kInfeasible, "fallback_brake", 1.0}};
+constexpr Nearness kNearness[] = {
+    {Outcome::kCollision, "clearance_min_m", -1.0}, {Outcome::kTimeout, "time_end_s", 1.0},
+    {Outcome::kStuck, "position_error_m", 1.0},     {Outcome::kJointLimit, "limit_margin_min", -1.0},
+    {Outcome::kSpilled, "tilt_max_rad", 1.0},       {Outcome::kInfeasible, "fallback_brake", 1.0}};
 
 }  // namespace
 

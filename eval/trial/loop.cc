@@ -20,13 +20,15 @@ namespace {
 /// world/sensing/sensing.h then disturbs it. Keeps sizes of `observation` that fit, so that only the first step
 /// allocates.
 void observe(const PlantState& truth, const std::vector<ObjectState>& objects, const GoalState& goal,
-             const std::optional<GoalState>& next, double t, Observation& observation) {
+             const std::optional<GoalState>& next, const std::optional<Upright>& upright, double t,
+             Observation& observation) {
   observation.time = t;
   observation.base = truth.base;
   observation.q = truth.q;
   observation.qdot = truth.qdot;
   observation.goal = goal;
   observation.next = next;
+  observation.upright = upright;
   observation.objects = objects;
 }
 
@@ -128,7 +130,9 @@ void TrialLoop::goal_reached() {
   take_goal();
 }
 
-void TrialLoop::truth(Observation& out) const { observe(plant_.state(), objects_, goal_, next_, time(k_), out); }
+void TrialLoop::truth(Observation& out) const {
+  observe(plant_.state(), objects_, goal_, next_, world_.upright, time(k_), out);
+}
 
 bool TrialLoop::sense() {
   while (true) {
@@ -262,6 +266,10 @@ bool TrialLoop::measure_state() {
   const auto J_arm = kinematics_.J_WE_W().rightCols(model_.num_joints());
   record.manipulability = manipulability(J_arm, ManipulabilityRows::kTranslation);
   record.manipulability_all = manipulability(J_arm, ManipulabilityRows::kAll);
+  if (world_.upright) {
+    tilt_ = tilt(*world_.upright, X_WE.linear());
+    r_.row.tilt_max_rad = std::fmax(r_.row.tilt_max_rad, tilt_);
+  }
   clearance_.look(kinematics_, proximity_, objects_);
   r_.row.clearance_min_m = std::fmin(r_.row.clearance_min_m, clearance_.to_objects());
   r_.row.clearance_self_min_m = std::fmin(r_.row.clearance_self_min_m, clearance_.to_itself());
@@ -279,6 +287,9 @@ bool TrialLoop::end(Outcome outcome, std::string reason) {
 bool TrialLoop::ends() {
   if (!report_.contacts.empty()) return end(Outcome::kCollision);
   if (!finite_) return end(Outcome::kDiverged, report_.reason.empty() ? "the state is not finite" : report_.reason);
+  if (world_.upright && tilt_ > world_.upright->angle)
+    return end(Outcome::kSpilled, fmt::format("the tool is tilted by {:.3g} rad, beyond {:.3g} rad; {}", tilt_,
+                                              world_.upright->angle, situation()));
   const StateRecord& now = r_.states.back();
   if (dwell_.update(k_, now.position_error, now.orientation_error, now.l1_error)) {
     const bool last = is_last_goal();

@@ -28,12 +28,12 @@ inline constexpr double kJointLimitTolerance = 1e-3;
 ///     while (loop.sense()) { compute loop.answer() from loop.seen(); loop.act(seconds); }
 ///     row = loop.finish();
 ///
-/// At each sample t = k control_period, in this order: errors and distances of the state; the rules collision, dwell,
-/// diverged, tipped, joint_limit, infeasible, stuck, timeout; then the command for the next period. sense() skips
-/// control periods that are missed (Disturbances::control) and holds the last command in them. All measurements and
-/// rules use the true state; only the controller sees the state that spec.disturbances change. Exceptions of the plant
-/// pass through, and `recording` keeps all earlier samples. All arguments must outlive the loop. `profile` may be
-/// null.
+/// At each sample t = k control_period, in this order: errors and distances of the state; the rules collision,
+/// spilled, dwell, diverged, tipped, joint_limit, infeasible, stuck, timeout; then the command for the next period.
+/// sense() skips control periods that are missed (Disturbances::control) and holds the last command in them. All
+/// measurements and rules use the true state; only the controller sees the state that spec.disturbances change.
+/// Exceptions of the plant pass through, and `recording` keeps all earlier samples. All arguments must outlive the
+/// loop. `profile` may be null.
 class TrialLoop {
  public:
   TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Recording& recording,
@@ -107,6 +107,7 @@ class TrialLoop {
   std::optional<GoalState> next_;  // the goal after it
   std::size_t goal_index_ = 0;
   Vector6 error_ = Vector6::Zero();
+  double tilt_ = 0.0;  // if the world asks for an upright tool [rad]
   bool objects_move_ = false;
   bool goal_moves_ = false;
   bool finite_ = true;

@@ -12,10 +12,21 @@
 
 namespace moma {
 
-enum class Outcome { kSuccess, kCollision, kTimeout, kStuck, kJointLimit, kTipped, kInfeasible, kDiverged, kError };
+enum class Outcome {
+  kSuccess,
+  kCollision,
+  kTimeout,
+  kStuck,
+  kJointLimit,
+  kTipped,
+  kInfeasible,
+  kDiverged,
+  kSpilled,
+  kError
+};
 constexpr auto words(Of<Outcome>) {
-  return std::to_array<std::string_view>(
-      {"success", "collision", "timeout", "stuck", "joint_limit", "tipped", "infeasible", "diverged", "error"});
+  return std::to_array<std::string_view>({"success", "collision", "timeout", "stuck", "joint_limit", "tipped",
+                                          "infeasible", "diverged", "spilled", "error"});
 }
 static_assert(all_worded<Outcome>());
 
@@ -76,6 +87,7 @@ struct TrialRow {
   double phase_standing_s = kAbsent, phase_speeding_up_s = kAbsent, phase_cruise_s = kAbsent,
          phase_slowing_down_s = kAbsent, phase_last_5_cm_s = kAbsent, phase_turning_s = kAbsent,
          phase_dwell_s = kAbsent;  ///< Phases of the trial; their sum is its time
+  double tilt_max_rad = kAbsent;   ///< of the tool's axis, in a world that asks for an upright tool
 
   struct Timing {
     double t_solve_median_us = kAbsent, t_solve_p99_us = kAbsent, t_solve_max_us = kAbsent;
@@ -283,6 +295,10 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
   phase("phase_turning_s", &R::phase_turning_s, "time turning",
         "time within the tolerance of the position and beyond that of the orientation");
   phase("phase_dwell_s", &R::phase_dwell_s, "time within tolerance", "time within both tolerances");
+  v.member("tilt_max_rad", &R::tilt_max_rad,
+           metric("tilt of the tool, greatest", "rad", kLow, "greatest angle between the tool's axis and the vertical")
+               .absent("unless the world asks for an upright tool")
+               .since(kUnknown));
   v.inlined(&R::timing);
 }
 

@@ -94,6 +94,7 @@ double default_cost(const TrialRow& row, const TrialCost::Scale& scale) {
     case Outcome::kCollision:
     case Outcome::kTipped:
     case Outcome::kDiverged:
+    case Outcome::kSpilled:
     case Outcome::kError:
       cost = kBreakageLimits * scale.time_limit;
       break;

@@ -57,9 +57,9 @@ class NullMetric : public std::runtime_error {
 ///
 ///     J = T + 5/3 L * c + 1/6 L * max(0, 1 - m / m_ready)
 ///
-/// T  time_to_goal_s of a success; 2 L of a failure; 4 L after a contact (collision), a fall or a broken simulation
-///    (tipped, diverged, error): a failure costs at least as much as two of the slowest successes, a collision as much
-///    as two failures.
+/// T  time_to_goal_s of a success; 2 L of a failure; 4 L after a contact (collision), a fall, a broken simulation or a
+///    spilled cup (tipped, diverged, error, spilled): a failure costs at least as much as two of the slowest successes,
+///    a collision as much as two failures.
 /// c  command_change_mean: mean over steps of the largest |change| / limit. Success alone selects gains that chatter
 ///    (c = 0.5), which costs 5/6 L, less than the difference between failure and success; smooth gains have 0.02 to
 ///    0.05. Absent: 1, the worst.

@@ -37,13 +37,13 @@ Observation sized(int joints, int velocities, std::size_t objects) {
 // Distinct numbers come out where the protocol's page says, and go back to the same numbers.
 TEST(Border, NumbersOfAnObservationAreInTheOrderOfTheProtocol) {
   Observation o = sized(3, 5, 2);
-  ASSERT_EQ(count_numbers(o), 55u + 3 + 5 + 2 * 38);
+  ASSERT_EQ(count_numbers(o), 60u + 3 + 5 + 2 * 38);
   std::vector<double> numbers(count_numbers(o));
   std::iota(numbers.begin(), numbers.end(), 1.0);
-  const std::size_t first = 63, second = first + 38;
-  numbers[first + 18] = 0.0;                                             // not visible
-  numbers[second + 18] = numbers[22] = numbers[29] = numbers[48] = 1.0;  // a truth
-  numbers[first + 19] = 0.0;                                             // no covariance
+  const std::size_t first = 68, second = first + 38;
+  numbers[first + 18] = 0.0;                                                           // not visible
+  numbers[second + 18] = numbers[22] = numbers[29] = numbers[48] = numbers[55] = 1.0;  // a truth
+  numbers[first + 19] = 0.0;                                                           // no covariance
   numbers[second + 19] = 1.0;
   EXPECT_EQ(unpack(numbers.data(), o), numbers.data() + numbers.size());
   EXPECT_EQ(o.time, 1.0);
@@ -56,9 +56,12 @@ TEST(Border, NumbersOfAnObservationAreInTheOrderOfTheProtocol) {
   ASSERT_TRUE(o.next.has_value());
   EXPECT_EQ(o.next->X_WG.translation(), Vector3(31, 32, 33));
   EXPECT_EQ(o.next->free[5], 55.0);
-  EXPECT_EQ(o.q[0], 56.0);
-  EXPECT_EQ(o.qdot[4], 63.0);
-  EXPECT_EQ(o.objects[0].X_WO.translation()[0], 64.0);
+  ASSERT_TRUE(o.upright.has_value());
+  EXPECT_EQ(o.upright->axis, Vector3(57, 58, 59));
+  EXPECT_EQ(o.upright->angle, 60.0);
+  EXPECT_EQ(o.q[0], 61.0);
+  EXPECT_EQ(o.qdot[4], 68.0);
+  EXPECT_EQ(o.objects[0].X_WO.translation()[0], 69.0);
   EXPECT_FALSE(o.objects[0].visible);
   EXPECT_FALSE(o.objects[0].covariance.has_value());
   EXPECT_TRUE(o.objects[1].visible);
@@ -133,7 +136,9 @@ std::string table(const Json& members, const std::string& where = "", std::size_
       continue;
     }
     if (member.contains("given")) {
-      const std::string row = "| " + first + symbolic(member["given"]) + " | 1 | | whether there are covariances |\n";
+      const std::string what = name.substr(name.rfind('_') + 1);
+      const std::string row =
+          "| " + first + symbolic(member["given"]) + " | 1 | | whether there is `..._" + what + "` |\n";
       if (text.find(row) == std::string::npos) text += row;
     }
     text += "| " + first + symbolic(at) + " | " + symbolic(member["count"]) + " | `" + name + "` | ";
@@ -206,7 +211,7 @@ TEST(BorderDocumentation, StructsOfCNameTheNumbersThatThereAre) {
 // A layout says where each member stands and what it is unless told otherwise.
 TEST(Border, LayoutsNameEveryNumberOnce) {
   const Json layout = config::layout_of<Observation>({7, 9});
-  std::vector<int> named(29 + 26 + 7 + 9 + 38, 0);
+  std::vector<int> named(29 + 26 + 5 + 7 + 9 + 38, 0);
   const auto mark = [&](const auto& self, const Json& members, std::size_t start) -> void {
     for (const Json& member : members) {
       const std::size_t at = start + member["at"].get<std::size_t>();

@@ -144,6 +144,28 @@ TEST(TrialLoop, InfeasibleCountsConsecutiveBrakes) {
   EXPECT_EQ(out.row.fallback_relaxed, 20);
 }
 
+// The bend tilts the tool by 0.5 rad/s; its axis starts 0.1 rad off the vertical.
+TEST(TrialLoop, ATiltedToolSpillsTheCup) {
+  World world = tiny_world(3.0);
+  const auto bend = [](const Observation& observation, StepResult& result) {
+    ASSERT_TRUE(observation.upright.has_value());
+    EXPECT_EQ(observation.upright->angle, 0.305);
+    if (observation.time < 0.3 - 1e-9) result.command[3] = 0.5;
+  };
+  world.upright = Upright{2.0 * Vector3(std::sin(0.1), 0.0, std::cos(0.1)), 0.305};
+  const TrialRow kept = run_scripted(tiny_spec(), world, bend).row;
+  EXPECT_NE(kept.outcome, Outcome::kSpilled) << kept.reason;
+  EXPECT_NEAR(kept.tilt_max_rad, 0.25, 1e-9);
+  const auto on = [](const Observation&, StepResult& result) { result.command[3] = 0.5; };
+  const TrialRow spilled = run_scripted(tiny_spec(), world, on).row;
+  EXPECT_EQ(to_string(spilled.outcome), "spilled");
+  EXPECT_NEAR(spilled.tilt_max_rad, 0.31, 1e-9);
+  EXPECT_NEAR(spilled.time_end_s, 0.42, 1e-9);
+  EXPECT_NE(spilled.reason.find("tilted by 0.31 rad, beyond 0.305 rad"), std::string::npos) << spilled.reason;
+  world.upright.reset();
+  EXPECT_TRUE(std::isnan(run_scripted(tiny_spec(), world, drive(0.1, 1.0)).row.tilt_max_rad));
+}
+
 TEST(TrialLoop, OtherEnds) {
   const auto faulty = [](FakePlant::Fault fault) {
     return run_scripted(tiny_spec(), tiny_world(3.0), drive(0.1, 99), fault).row;

@@ -351,6 +351,28 @@ TEST(Worlds, SeveralGoalsKeepEveryBitInTheirFile) {
   }
 }
 
+// The axis is vertical at the start; the witness reaches the goal and tilts it by no more than its share.
+TEST(Worlds, UprightToolsStandAtStartAndGoal) {
+  for (const char* name : {"frankie", "panda", "lift_ur5"}) {
+    const auto model = robot(name);
+    const Worlds source = worlds("seed: 4\nfamilies: {upright: {angle: 0.2, at_goal: {uniform: [0, 0.5]}}}");
+    Kinematics kinematics(model);
+    for (std::uint64_t i = 0; i < 12; ++i) {
+      const World a = source.make(model, i);
+      ASSERT_TRUE(a.upright.has_value());
+      EXPECT_EQ(a.upright->angle, 0.2);
+      kinematics.update(a.start.base, a.start.q);
+      EXPECT_NEAR((kinematics.X_WE().linear() * a.upright->axis).z(), 1.0, 1e-12);
+      EXPECT_GE((a.goal.X_WG.linear() * a.upright->axis).z(), std::cos(0.1 + 1.1e-3));
+      const nlohmann::ordered_json json = to_json(a);
+      const World b = world_from_json(json, "test");
+      EXPECT_EQ(to_json(b), json);
+      EXPECT_EQ(a.upright, b.upright);
+    }
+  }
+  EXPECT_FALSE(to_json(worlds("seed: 4\nfamilies: {clutter: {}}").make(robot("frankie"), 0)).contains("upright"));
+}
+
 TEST(Worlds, ResolvedSectionReadsBack) {
   const Worlds a = worlds(
       "seed: 8\nclearance: 0.04\nfamilies: {clutter: {weight: 2, objects: 3, box_edge: {normal: [0.3, 0.1]}}, open: "
@@ -461,6 +483,9 @@ TEST(Worlds, FileErrorsNameThePlace) {
   refused([](auto& w) { w["goal"]["stop"] = false; }, "no other goal follows");
   refused([](auto& w) { w["goal"]["free"] = {"rz", "roll"}; }, "roll");
   refused([](auto& w) { w["goal"]["free"] = {"rx", "ry", "rz", "x", "y", "z"}; }, "a direction that is not free");
+  refused([](auto& w) { w["upright"] = {{"axis", {0, 0, 0}}, {"angle", 0.2}}; }, "an axis that is not zero");
+  refused([](auto& w) { w["upright"] = {{"axis", {0, 0, 1}}, {"angle", 0.0}}; }, "angle");
+  refused([](auto& w) { w["upright"] = {{"axis", {0, 0, 1}}}; }, "angle");
   refused([](auto& w) { w["goals"] = {w["goal"]}; }, "either goal or goals");
   const auto several = [](auto& w) -> auto& {
     w["goals"] = {w["goal"], w["goal"]};

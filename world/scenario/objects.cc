@@ -91,4 +91,35 @@ bool ObjectPlacing::place(SceneBuilder& builder, World& world,
   return true;
 }
 
+Way straight_way(const SceneBuilder& builder, const World& world) {
+  Way out;
+  out.from = builder.mobile() ? Vector3(world.start.base.x(), world.start.base.y(), 0.0) : builder.start_tip();
+  Vector3 way = world.goal.X_WG.translation() - out.from;
+  way.z() = 0.0;
+  out.length = way.norm();
+  if (out.length > 1e-6) out.forward = way / out.length;
+  return out;
+}
+
+bool SolidsAlong::place(SceneBuilder& builder, World& world) const {
+  const Way way = straight_way(builder, world);
+  Draws number = builder.draws(Stream::kObjects);
+  const ObjectPlacing placing{.count = objects.sample(number),
+                              .tries = 100,
+                              .name = "object",
+                              .drawn_again = "an object not clear of start and goal",
+                              .out_of_tries = "objects: no place clear of start and goal (worlds.clearance)"};
+  double place = 0.0;
+  return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& object) {
+    Draws draws = builder.draws(Stream::kObjects, at.item);
+    // The position along the way is kept over the tries; otherwise objects that do not fit near start and goal would
+    // crowd in the middle.
+    const double again = along.sample(draws);
+    if (at.number == 0) place = again;
+    const Vector3 p = way.from + place * way.length * way.forward + lateral.sample(draws) * way.left();
+    mix.sample(draws, p.x(), p.y(), object);
+    return builder.stands_clear(object, builder.clearance());
+  });
+}
+
 }  // namespace moma

@@ -54,6 +54,16 @@ constexpr void describe(auto& v, Of<ObjectMix>) {
   v.member("height", &T::height, quantity("m", "height of a floating solid's centre"));
 }
 
+struct Way {
+  Vector3 from = Vector3::Zero();      ///< where it begins
+  Vector3 forward = Vector3::UnitX();  ///< unit vector along the way, horizontal
+  double length = 0.0;                 ///< [m]
+  Vector3 left() const { return {-forward.y(), forward.x(), 0.0}; }
+};
+
+/// Returns the way from the base of a mobile robot, or from the tool of a fixed one, to the goal. After place_robot().
+Way straight_way(const SceneBuilder& builder, const World& world);
+
 struct ObjectTry {
   int number = 0;          ///< number of tries for this object before
   std::uint64_t item = 1;  ///< the object's item for SceneBuilder::draws(); 0 is for draws that all objects share
@@ -77,5 +87,26 @@ struct ObjectPlacing {
   bool place(SceneBuilder& builder, World& world, const std::function<void(int i, WorldObject& object)>& begin,
              const std::function<bool(const ObjectTry& at, WorldObject& object)>& draw) const;
 };
+
+/// Solids along the straight way from start to goal, clear of both.
+struct SolidsAlong {
+  using Uniform = Distribution::Uniform;
+  Count objects{Uniform{5.0, 15.0}};
+  Distribution along{Uniform{0.0, 1.0}};                 ///< [1]
+  Distribution lateral{Distribution::Normal{0.0, 0.6}};  ///< [m]
+  ObjectMix mix;
+
+  /// Adds them to the world. After place_robot().
+  bool place(SceneBuilder& builder, World& world) const;
+};
+
+constexpr void describe(auto& v, Of<SolidsAlong>) {
+  using T = SolidsAlong;
+  v.member("objects", &T::objects, in_range({0, 1000}, "", "number of solids"));
+  v.member("along", &T::along,
+           quantity("1", "position of a solid along the way, as a share of the way from start to goal"));
+  v.member("lateral", &T::lateral, quantity("m", "position of a solid to the left of the way"));
+  v.inlined(&T::mix);
+}
 
 }  // namespace moma

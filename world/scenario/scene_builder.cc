@@ -25,6 +25,14 @@ double nearest(std::span<const ProximityPair> pairs, double range) {
   return least;
 }
 
+/// Returns the range of the witness's joint.
+JointRange kept_range(const Placement& placement, const ControlledJoint& joint) {
+  const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+  const auto [low, high] = drawn_range(joint);
+  const double margin = bounded ? std::min(placement.limit_margin, 0.25 * (high - low)) : 0.0;
+  return {low + margin, high - margin};
+}
+
 constexpr ProximityRanges only_objects(double range) { return {range, -1.0, -1.0}; }
 
 }  // namespace
@@ -118,11 +126,8 @@ bool SceneBuilder::place_goal(const Placement& placement, World& world) {
 
 void SceneBuilder::draw_arm(const Placement& placement, Draws& from, VectorX& q) const {
   for (int i = 0; i < model_->num_joints(); ++i) {
-    const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
-    const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-    const auto [low, high] = drawn_range(joint);
-    const double margin = bounded ? std::min(placement.limit_margin, 0.25 * (high - low)) : 0.0;
-    q[i] = from.uniform(low + margin, high - margin);
+    const JointRange range = kept_range(placement, model_->joints[static_cast<std::size_t>(i)]);
+    q[i] = from.uniform(range.lower, range.upper);
   }
 }
 
@@ -156,10 +161,30 @@ bool SceneBuilder::place_robot(const Placement& placement, World& world) {
   Draws at_goal = place_bases(placement, world);
   draw_arm(placement, at_goal, world.witness.q);
   place_start(world);
-  // The result does not depend on the base's pose: one check is enough, but every failed try counts.
-  if (!start_checked_ && !check_pose(start_, 0.0, 0.0, "start", true)) return false;
-  start_checked_ = true;
-  return place_goal(placement, world);
+  return check_start() && place_goal(placement, world);
+}
+
+// The result does not depend on the base's pose: one check is enough, but every failed try counts.
+bool SceneBuilder::check_start() {
+  start_checked_ = start_checked_ || check_pose(start_, 0.0, 0.0, "start", true);
+  return start_checked_;
+}
+
+bool SceneBuilder::place_upright(const Placement& placement, double angle, const Distribution& at_goal, World& world) {
+  Draws draws = place_bases(placement, world);
+  draw_arm(placement, draws, world.witness.q);
+  place_start(world);
+  world.upright = Upright{start_.X_WE().linear().row(2).transpose(), angle};
+  const double most = angle * at_goal.sample(draws);
+  VectorX low(model_->num_joints()), high(model_->num_joints());
+  for (int i = 0; i < model_->num_joints(); ++i) {
+    const JointRange range = kept_range(placement, model_->joints[static_cast<std::size_t>(i)]);
+    low[i] = range.lower;
+    high[i] = range.upper;
+  }
+  if (bring_upright(*world.upright, most, low, high, witness_, world.witness.q) < 0)
+    return reject("goal: no upright tool (angle, at_goal)");
+  return check_start() && place_goal(placement, world);
 }
 
 bool SceneBuilder::place_pair(const Placement& placement, double range, World& world) {

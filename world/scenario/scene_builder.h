@@ -92,6 +92,9 @@ class SceneBuilder {
   /// middle `range` [0, 1] of its limits. Ignores `placement.limit_margin`; both configurations keep off floor and
   /// self.
   bool place_pair(const Placement& placement, double range, World& world);
+  /// Does as place_robot(), with a world that asks for an upright tool: its axis is vertical at the start, and tilts by
+  /// at most `angle` [rad]. The witness's arm is drawn, and brought to a tilt of at most a share of that, `at_goal`.
+  bool place_upright(const Placement& placement, double angle, const Distribution& at_goal, World& world);
   /// Keeps start and witness of the world, unchecked, and sets the goal to the witness's tool pose.
   void take_robot(World& world);
   /// Sets the goal to the witness's tool pose.
@@ -129,6 +132,7 @@ class SceneBuilder {
   Draws place_bases(const Placement& placement, World& world) const;
   void draw_arm(const Placement& placement, Draws& from, VectorX& q) const;
   void place_start(const World& world);
+  bool check_start();
   bool place_goal(const Placement& placement, World& world);
   bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who,
                   bool at_ready = false);

@@ -83,16 +83,6 @@ double clear_leg(SceneBuilder& builder, const std::vector<Vector3>& circles, dou
 
 }  // namespace
 
-Way straight_way(const SceneBuilder& builder, const World& world) {
-  Way out;
-  out.from = builder.mobile() ? Vector3(world.start.base.x(), world.start.base.y(), 0.0) : builder.start_tip();
-  Vector3 way = world.goal.X_WG.translation() - out.from;
-  way.z() = 0.0;
-  out.length = way.norm();
-  if (out.length > 1e-6) out.forward = way / out.length;
-  return out;
-}
-
 bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
                   const Inside& inside, WorldObject& object) const {
   Draws draws = builder.draws(Stream::kMotion, item);

@@ -11,16 +11,6 @@
 
 namespace moma {
 
-struct Way {
-  Vector3 from = Vector3::Zero();      ///< where it begins
-  Vector3 forward = Vector3::UnitX();  ///< unit vector along the way, horizontal
-  double length = 0.0;                 ///< [m]
-  Vector3 left() const { return {-forward.y(), forward.x(), 0.0}; }
-};
-
-/// Returns the way from the base of a mobile robot, or from the tool of a fixed one, to the goal. After place_robot().
-Way straight_way(const SceneBuilder& builder, const World& world);
-
 enum class Walker { kPerson, kSolid };
 constexpr auto words(Of<Walker>) { return std::to_array<std::string_view>({"person", "solid"}); }
 

@@ -3,7 +3,7 @@
 
 import type { Model } from './data';
 
-export const kCauses = ['late detection', 'contact', 'infeasible', 'local minimum', 'limit', 'almost there', 'base misaligned', 'out of time', 'standstill', 'other'] as const;
+export const kCauses = ['late detection', 'contact', 'infeasible', 'local minimum', 'limit', 'almost there', 'base misaligned', 'out of time', 'standstill', 'tilted', 'other'] as const;
 export type Cause = (typeof kCauses)[number];
 
 export const kCauseTexts: Record<Cause, string> = {
@@ -16,6 +16,7 @@ export const kCauseTexts: Record<Cause, string> = {
   'base misaligned': 'nothing near, but the goal lies beside a base that cannot drive sideways (more than 30\u00b0 off its axis)',
   'out of time': 'nothing near, still on its way at the time limit',
   standstill: 'nothing near, and yet at rest',
+  tilted: 'the tool tilted farther than the world allows',
   other: 'tipped over, diverged, a program error',
 };
 
@@ -77,6 +78,7 @@ export function causeOf(model: Model, row: number): { cause: Cause; what: string
   const what = outside || [...near, ...limits].join(', ') || (told ? 'clear of objects and limits' : plain);
   if (outcome === 'infeasible' || t.number('qp_infeasible', row) > kOften * t.number('steps', row)) return { cause: 'infeasible', what };
   if (outcome === 'joint_limit') return { cause: 'limit', what };
+  if (outcome === 'spilled') return { cause: 'tilted', what };
   if (outcome !== 'stuck' && outcome !== 'timeout') return { cause: 'other', what };
   if (near.length > 0) return { cause: 'local minimum', what };
   if (limits.length > 0) return { cause: 'limit', what };

@@ -23,7 +23,7 @@ const light: Palette = {
   series: ['#27598f', '#d96294', '#016155', '#d57e24', '#1d5ccb', '#3f8440', '#029edb', '#4a3518'],
   outcomes: {
     success: '#4c9a7d', collision: '#8d1020', timeout: '#fca347', stuck: '#3a1acf', joint_limit: '#5c57b9',
-    tipped: '#77325a', infeasible: '#76b8f1', diverged: '#6e75a0', error: '#020b24',
+    tipped: '#77325a', infeasible: '#76b8f1', diverged: '#6e75a0', spilled: '#b5651d', error: '#020b24',
   },
 };
 
@@ -32,7 +32,7 @@ const dark: Palette = {
   series: ['#7fb0e6', '#cb64a3', '#9ed4a6', '#ebb22a', '#6791f8', '#c9e67a', '#deeaf3', '#cd7a4f'],
   outcomes: {
     success: '#56ad8d', collision: '#b83c10', timeout: '#e4c86a', stuck: '#3750c3', joint_limit: '#817f4c',
-    tipped: '#98487c', infeasible: '#b1d9ec', diverged: '#7896c6', error: '#dff4d4',
+    tipped: '#98487c', infeasible: '#b1d9ec', diverged: '#7896c6', spilled: '#5a2d0c', error: '#dff4d4',
   },
 };
 
