@@ -226,7 +226,7 @@ def make_row(r, world, controller, quality, only_failures):
     }
     phases = {'standing': 1, 'speeding_up': 3, 'cruise': 9, 'slowing_down': 3, 'last_5_cm': 2, 'turning': 1, 'dwell': 1}
     for phase, part in phases.items():
-        row[f'phase_{phase}_s'] = end * part / sum(phases.values())
+        row[f'phase_{phase}_s'] = 0.02 * round(end * part / sum(phases.values()) / 0.02)
     median = r.lognormvariate(2.6 + 0.03 * world['difficulty']['objects'], 0.15)
     timing = {'t_solve_median_us': 0.4 * median, 't_solve_p99_us': 0.9 * median, 't_solve_max_us': 4 * median,
               't_step_median_us': median, 't_step_p99_us': 2.2 * median, 't_step_max_us': median * r.lognormvariate(2, 0.5),
