@@ -30,7 +30,7 @@ struct UnseenParams {
   double influence = 0.15;  ///< distance below which a pair has a row [m]
   double stop = 0.0;        ///< stop distance of these rows [m]
   double margin = 0.0;      ///< distance kept on the braking trajectory [m]
-  double range = 0.7;       ///< distance from the base up to which unseen space counts [m]
+  double range = 0.7;       ///< distance from the robot up to which unseen space counts [m]
   int boxes = 96;           ///< most boxes
 };
 
