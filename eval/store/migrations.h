@@ -32,8 +32,8 @@ void migrate(SQLite::Database& db, std::span<const Migration> steps, int target)
 /// Hides the views of another build from a read-only connection by temporary ones of this build.
 void shadow_views(SQLite::Database& db);
 
-/// Adds missing described columns, and replaces the views if they differ, in one transaction: a new metric needs no
-/// migration. Unknown columns stay. Throws SQLite::Exception.
+/// Adds missing described columns and words, and replaces the views if they differ, in one transaction: a new metric or
+/// outcome needs no migration. Unknown columns stay. Throws SQLite::Exception.
 void add_described_columns(SQLite::Database& db);
 
 /// Names of a table's columns.
