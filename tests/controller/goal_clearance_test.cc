@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 #include "controller/controller_core.h"
 #include "controller/qp/collision.h"
@@ -132,6 +133,32 @@ struct ByTheForearm : Grasp {
   }
 };
 
+/// Collision rows where the hand is at its goal.
+struct Rows {
+  Grasp grasp;
+  ControllerParams params;
+  CollisionRows rows{
+      *grasp.model, params.collision, {*grasp.model, params.acceleration_limit, false}, {params.uncertainty, 0}};
+  Kinematics kinematics{grasp.model};
+  Proximity proximity{grasp.model};
+  QpProblem problem;
+
+  Rows(Grasp of, ControllerParams with) : grasp(std::move(of)), params(std::move(with)) {
+    kinematics.update(grasp.witness.head<3>(), grasp.witness.tail(7));
+    proximity.set_objects(grasp.scene.shapes);
+    problem.allocate(7 + 6, rows.allocate(1));
+  }
+
+  /// The bound of the nearest pair's row.
+  double bound() {
+    problem.rows = 0;
+    rows.select(proximity.query(kinematics, grasp.scene.states, rows.ranges()), grasp.scene.states);
+    rows.add(kinematics, grasp.scene.states, {}, problem);
+    EXPECT_GT(problem.rows, 0);
+    return problem.ubA[0];
+  }
+};
+
 // With the hand at its goal, 10 mm are too little for the forearm and enough for the hand.
 TEST(GoalClearance, BringsNoOtherPartThanTheHandNear) {
   constexpr double kGap = 0.01, kHand = 0.003, kClearance = 0.0175;
@@ -154,19 +181,9 @@ TEST(GoalClearance, BringsNoOtherPartThanTheHandNear) {
     space.keep_near({});
     EXPECT_FALSE(space.free(grasp->witness));
 
-    CollisionRows rows(*grasp->model, params.collision, {*grasp->model, params.acceleration_limit, false},
-                       {params.uncertainty, 0});
-    Proximity proximity(grasp->model);
-    proximity.set_objects(grasp->scene.shapes);
-    Kinematics kinematics(grasp->model);
-    kinematics.update(grasp->witness.head<3>(), grasp->witness.tail(7));
-    QpProblem problem;
-    problem.allocate(7 + 6, rows.allocate(1));
-    rows.keep_from_resting(kHand, kClearance, 15.0);
-    rows.select(proximity.query(kinematics, grasp->scene.states, rows.ranges()), grasp->scene.states);
-    rows.add(kinematics, grasp->scene.states, {}, problem);
-    ASSERT_GT(problem.rows, 0);
-    EXPECT_EQ(problem.ubA[0] < 0.0, arm) << "the row asks for more distance";
+    Rows at(*grasp, params);
+    at.rows.keep_from_resting(kHand, kClearance, 15.0);
+    EXPECT_EQ(at.bound() < 0.0, arm) << "the row asks for more distance";
   }
 }
 
@@ -177,24 +194,13 @@ TEST(GoalClearance, PathsMayComeNearAtARateOfTheirOwn) {
   ControllerParams params = params_at_goal(*grasp.model, true);
   params.collision.object = {true, 0.3, 0.03, 0.6};
   params.collision.braking.enabled = false;
-  CollisionRows rows(*grasp.model, params.collision, {*grasp.model, params.acceleration_limit, false},
-                     {params.uncertainty, 0});
-  Kinematics kinematics(grasp.model);
-  kinematics.update(grasp.witness.head<3>(), grasp.witness.tail(7));
-  Proximity proximity(grasp.model);
-  proximity.set_objects(grasp.scene.shapes);
-  QpProblem problem;
-  problem.allocate(7 + 6, rows.allocate(1));
+  Rows at(grasp, params);
   constexpr double kStop = 0.003;
   for (const double rate : {0.0, 1.0, 15.0}) {
-    problem.rows = 0;
-    rows.keep_from_resting(kStop, kStop, rate);
-    rows.select(proximity.query(kinematics, grasp.scene.states, rows.ranges()), grasp.scene.states);
-    rows.add(kinematics, grasp.scene.states, {}, problem);
-    ASSERT_GT(problem.rows, 0);
-    const double own = 0.6 / (0.3 - kStop);
-    EXPECT_NEAR(problem.ubA[0], std::max(own, rate) * (problem.ids[0].d - kStop), 1e-12) << rate;
-    EXPECT_NEAR(problem.ids[0].d, 0.008, 3e-4);
+    at.rows.keep_from_resting(kStop, kStop, rate);
+    const double bound = at.bound(), d = at.problem.ids[0].d, own = 0.6 / (0.3 - kStop);
+    EXPECT_NEAR(bound, std::max(own, rate) * (d - kStop), 1e-12) << rate;
+    EXPECT_NEAR(d, 0.008, 3e-4);
   }
 }
 
@@ -205,41 +211,25 @@ TEST(GoalClearance, PathsMayComeNearFasterThanTheRobotBrakes) {
   ControllerParams params = params_at_goal(*grasp.model, true);
   params.collision.object = {true, 0.3, 0.03, 0.6};
   params.collision.braking = {.enabled = true, .share = 1e-3, .reaction = 0.0};
-  CollisionRows rows(*grasp.model, params.collision, {*grasp.model, params.acceleration_limit, false},
-                     {params.uncertainty, 0});
-  Kinematics kinematics(grasp.model);
-  kinematics.update(grasp.witness.head<3>(), grasp.witness.tail(7));
-  Proximity proximity(grasp.model);
-  proximity.set_objects(grasp.scene.shapes);
-  QpProblem problem;
-  problem.allocate(7 + 6, rows.allocate(1));
+  Rows at(grasp, params);
   constexpr double kStop = 0.003, kRate = 15.0;
-  rows.keep_from_resting(kStop, kStop, kRate);
+  at.rows.keep_from_resting(kStop, kStop, kRate);
   const auto bound = [&](const VectorX* path) {
-    problem.rows = 0;
-    rows.allow(path);
-    rows.select(proximity.query(kinematics, grasp.scene.states, rows.ranges()), grasp.scene.states);
-    rows.add(kinematics, grasp.scene.states, {}, problem);
-    EXPECT_GT(problem.rows, 0);
-    return problem.ubA[0];
+    at.rows.allow(path);
+    return at.bound();
   };
   const double brakes = bound(nullptr);
-  const VectorX row = problem.A.row(0).head(7).transpose();
-  const double damped = kRate * (problem.ids[0].d - kStop);
+  const VectorX row = at.problem.A.row(0).head(7).transpose();
+  const double damped = kRate * (at.problem.ids[0].d - kStop);
   ASSERT_LT(brakes, 0.3 * damped);
   for (const double share : {-1.0, 0.5, 2.0}) {
     const VectorX path = row * (share * damped / row.squaredNorm());
     EXPECT_NEAR(bound(&path), std::max(brakes, std::min(share, 1.0) * damped), 1e-12) << share;
   }
   const VectorX path = row * (0.5 * damped / row.squaredNorm());
-  Grasp other = grasp;
-  other.scene.states[0].seen = false;
-  rows.keep_from_unseen(params.collision.object);
-  rows.select(proximity.query(kinematics, other.scene.states, rows.ranges()), other.scene.states);
-  problem.rows = 0;
-  rows.allow(&path);
-  rows.add(kinematics, other.scene.states, {}, problem);
-  EXPECT_LT(problem.ubA[0], brakes) << "never seen";
+  at.grasp.scene.states[0].seen = false;
+  at.rows.keep_from_unseen(params.collision.object);
+  EXPECT_LT(bound(&path), brakes) << "never seen";
 }
 
 TEST(GoalClearance, PathsLeadToGoalsThatAreNearerThanTheClearance) {
