@@ -20,11 +20,9 @@ FreeSpace::FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits
     : limits_(&limits),
       kinematics_(model),
       proximity_(model),
-      hand_(model->shapes.size(), 0),
+      hand_(of_hand(*model)),
       keeps_{.clearances = {}, .at_goal = {}, .low = limits.lower, .high = limits.upper},
-      point_(WholeConfiguration::Zero(3 + limits.num_joints())) {
-  for (const int shape : model->hand_shapes()) hand_[static_cast<std::size_t>(shape)] = 1;
-}
+      point_(WholeConfiguration::Zero(3 + limits.num_joints())) {}
 
 void FreeSpace::set_objects(std::span<const ObjectShape> objects) {
   proximity_.set_objects(objects);

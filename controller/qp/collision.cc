@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/safe/goal_clearance.h"
+
 namespace moma {
 namespace {
 
@@ -28,16 +30,14 @@ CollisionRows::CollisionRows(const RobotModel& model, const CollisionParams& par
                              const Uncertainty& uncertainty)
     : model_(&model),
       params_(params),
-      hand_(model.shapes.size(), 0),
+      hand_(of_hand(model)),
       resting_(params.object),
       resting_of_arm_(params.object),
       J_first_(3, model.num_velocities()),
       J_second_(3, model.num_velocities()),
       row_(model.num_velocities()),
       deceleration_(deceleration),
-      uncertainty_(uncertainty) {
-  for (const int shape : model.hand_shapes()) hand_[static_cast<std::size_t>(shape)] = 1;
-}
+      uncertainty_(uncertainty) {}
 
 int CollisionRows::allocate(int num_objects) {
   const std::size_t shapes = model_->shapes.size();

@@ -5,6 +5,12 @@
 
 namespace moma {
 
+std::vector<char> of_hand(const RobotModel& model) {
+  std::vector<char> of_hand(model.shapes.size(), 0);
+  for (const int shape : model.hand_shapes()) of_hand[static_cast<std::size_t>(shape)] = 1;
+  return of_hand;
+}
+
 GoalClearance::GoalClearance(const RobotModel& model) : shapes_(model.hand_shapes()) {}
 
 double GoalClearance::least(const Kinematics& kinematics, const Isometry& X_WG, std::span<const ObjectState> objects,

@@ -30,6 +30,9 @@ struct KeptDistance {
   }
 };
 
+/// Returns for each of the robot's shapes whether it is rigid with E: the shapes that a goal may bring near to objects.
+std::vector<char> of_hand(const RobotModel& model);
+
 /// Distance between the solids that are rigid with E and objects, with E at its goal: no configuration changes it. One
 /// per worker; only allocate() allocates.
 class GoalClearance {

@@ -86,26 +86,24 @@ std::string words_check(const std::string& sql, std::string_view column) {
   return to == std::string::npos ? "" : sql.substr(from, to + 2 - from);
 }
 
-/// What replaces the CHECKs of columns that have new words since. SQLite has no ALTER TABLE for it; its documentation
-/// of ALTER TABLE allows this for CHECKs, which are in no row.
-std::vector<std::string> all_new_words(SQLite::Database& db) {
-  std::vector<std::string> sql;
+/// A CHECK of a table's definition that lacks words, and what replaces it.
+struct FewWords {
+  std::string table, check, ours;
+};
+
+/// Words, in quotation marks, are only ever added: a list of more is a newer build's, and stays.
+std::vector<FewWords> all_few_words(SQLite::Database& db) {
+  std::vector<FewWords> found;
   SQLite::Statement find(db, "SELECT sql FROM main.sqlite_schema WHERE type = 'table' AND name = ?");
   for (const auto& [table, columns] : described_tables()) {
     const std::string stored = row<std::string>(find, table).value_or("");
     for (const ColumnDefinition& column : columns) {
-      const std::string ours = words_check(column.type, column.name), theirs = words_check(stored, column.name);
-      if (ours.empty() || theirs.empty() || theirs == ours) continue;
-      const auto quoted = [](std::string text) {
-        for (std::size_t i = 0; (i = text.find('\'', i)) != std::string::npos; i += 2) text.insert(i, 1, '\'');
-        return "'" + text + "'";
-      };
-      sql.push_back(
-          fmt::format("UPDATE main.sqlite_schema SET sql = replace(sql, {}, {}) WHERE type = 'table' AND name = {}",
-                      quoted(theirs), quoted(ours), quoted(table)));
+      const std::string ours = words_check(column.type, column.name), check = words_check(stored, column.name);
+      const auto marks = [](const std::string& sql) { return std::count(sql.begin(), sql.end(), '\''); };
+      if (!check.empty() && marks(check) < marks(ours)) found.push_back({table, check, ours});
     }
   }
-  return sql;
+  return found;
 }
 
 /// Lets SQL write the schema while it lives (harden() in database.cc forbids it).
@@ -118,12 +116,16 @@ struct Undefended {
   SQLite::Database& db;
 };
 
-void replace_words(SQLite::Database& db) {
-  const std::vector<std::string> sql = all_new_words(db);
-  if (sql.empty()) return;
+/// SQLite has no ALTER TABLE for CHECKs; its documentation of ALTER TABLE allows this for them, since they are in no
+/// row.
+void add_words(SQLite::Database& db) {
+  const std::vector<FewWords> all = all_few_words(db);
+  if (all.empty()) return;
   const Undefended undefended(db);
   db.exec("PRAGMA writable_schema = ON");
-  for (const std::string& statement : sql) db.exec(statement);
+  for (const FewWords& few : all)
+    execute(db, "UPDATE main.sqlite_schema SET sql = replace(sql, ?, ?) WHERE type = 'table' AND name = ?", few.check,
+            few.ours, few.table);
   db.exec("PRAGMA writable_schema = RESET");
 }
 
@@ -146,10 +148,10 @@ void shadow_views(SQLite::Database& db) {
 }
 
 void add_described_columns(SQLite::Database& db) {
-  if (all_additions(db).empty() && all_new_words(db).empty() && has_our_views(db)) return;
+  if (all_additions(db).empty() && all_few_words(db).empty() && has_our_views(db)) return;
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   // Asked again under the lock: another process may have been quicker.
-  replace_words(db);
+  add_words(db);
   const std::vector<std::string> sql = all_additions(db);
   for (const std::string& statement : sql) db.exec(statement);
   db.exec(views_sql());

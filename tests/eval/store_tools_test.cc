@@ -385,6 +385,26 @@ TEST(Migration, AStoreOfAnOlderVersionBecomesWhatThisProgramWrites) {
   }
 }
 
+TEST(Migration, WordsAreAddedAndThoseOfANewerProgramStay) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.db";
+  write_synthetic(file, {"one"}, 3);
+  const auto words = [&](const char* from, const char* to) {
+    SQLite::Database db(file.string(), SQLite::OPEN_READWRITE);
+    db.exec("PRAGMA writable_schema = ON");
+    db.exec(fmt::format("UPDATE sqlite_schema SET sql = replace(sql, '{}', '{}') WHERE name = 'trial'", from, to));
+  };
+  const auto reopened = [&] {
+    SQLite::Database db = store::open_database(file, store::Access::kReadWrite);
+    return db.execAndGet("SELECT sql FROM sqlite_schema WHERE name = 'trial'").getString();
+  };
+  const std::string ours = reopened();
+  words("''spilled'', ", "");
+  EXPECT_EQ(reopened(), ours);
+  words("''spilled'', ", "''spilled'', ''levitated'', ");
+  EXPECT_NE(reopened().find("levitated"), std::string::npos);
+}
+
 // What the documentation tells people to ask.
 TEST(StoreDocumentation, ItsQueriesRun) {
   const TemporaryFolder folder;

@@ -350,16 +350,21 @@ TEST(SeenMap, ComingNearToSomethingDoesNotRemoveIt) {
   EXPECT_EQ(unseen, 0) << "cells that nobody has seen";
 }
 
-// Before any ray: free is what is as near to the robot as it believes, and the space beside and above its base.
-TEST(SeenMap, AtTheStartLittleCountsAsFree) {
-  Rig rig;
-  const MapParams params = with_map().map;
-  SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
+// The first frames, without a range.
+void see_nothing(SeenMap& map, Rig& rig) {
   for (DepthFrame frame : rig.frames(0)) {
     frame.ranges.setZero();
     map.see(frame);
   }
   map.observe(seen_by(rig, 0));
+}
+
+// Before any ray: free is what is as near to the robot as it believes, and the space beside and above its base.
+TEST(SeenMap, AtTheStartLittleCountsAsFree) {
+  Rig rig;
+  const MapParams params = with_map().map;
+  SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
+  see_nothing(map, rig);
   const OccupancyMap& cells = map.map();
   int free = 0, far = 0, missed = 0;
   Eigen::Vector3i c;
@@ -389,11 +394,7 @@ TEST(SeenMap, UnseenSpaceIsNearestToTheArmFirst) {
   rig.q << 0.0, 1.2, 0.0, -0.6, 0.0, 1.8, 0.8;  // stretched ahead
   const MapParams params = with_map().map;
   SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
-  for (DepthFrame frame : rig.frames(0)) {
-    frame.ranges.setZero();
-    map.see(frame);
-  }
-  map.observe(seen_by(rig, 0));
+  see_nothing(map, rig);
   Kinematics kinematics(robot_with_cameras());
   kinematics.place(rig.base, rig.q);
   for (const CollisionShape& own : robot_with_cameras()->shapes) {
