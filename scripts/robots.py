@@ -196,13 +196,11 @@ class Study:
         if not row['drafted']:
             row['error'] = made.stderr.strip().splitlines()[-1]
             return row
-        robot = json.loads(self.call('robot', file, '--json').stdout)
         text = file.read_text(encoding='utf-8')
-        row.update(base=robot['base'], joints=len(robot['joints']), shapes=len(robot['shapes']), tip=robot['tip'],
-                   doubts=text.count('# check'))
-        wheels = re.search(r'wheels: {radius: ([\d.]+), separation: ([\d.]+)[^#]*# (check)?', text)
-        row['base'] += ' (check)' if re.search(r'^  type: .*# check', text, re.M) else ''
-        row['wheels'] = f"{wheels[1]}, {wheels[2]}{' (check)' if wheels[3] else ''}" if wheels else 'check' if 'wheels:' in text else ''
+        ready = re.search(r'^  ready: \[([^\]]*)\]', text, re.M)
+        row.update(joints=len(ready[1].split(',')) if ready else 0, posture='no posture' not in text, doubts=text.count('# check'))
+        if self.fits:
+            self.describe(row, file, text)
         suite = self.folder / f'{name}-suite.yaml'
         suite.write_text(SUITE.format(name=name, root=ROOT, trials=2 * self.worlds), encoding='utf-8')
         for mode in self.modes:
@@ -212,6 +210,14 @@ class Study:
                 row[f'why_{mode}'] = checked.stderr.strip().splitlines()[-1]
         row['weak'] = re.findall(r'joint .*holding the arm.*', checked.stderr)
         return row
+
+    def describe(self, row, file, text):
+        """What the page says of a robot."""
+        robot = json.loads(self.call('robot', file, '--json').stdout)
+        row.update(base=robot['base'], joints=len(robot['joints']), shapes=len(robot['shapes']), tip=robot['tip'])
+        wheels = re.search(r'wheels: {radius: ([\d.]+), separation: ([\d.]+)[^#]*# (check)?', text)
+        row['base'] += ' (check)' if re.search(r'^  type: .*# check', text, re.M) else ''
+        row['wheels'] = f"{wheels[1]}, {wheels[2]}{' (check)' if wheels[3] else ''}" if wheels else 'check' if 'wheels:' in text else ''
 
     def run(self, name, row):
         self.run_modes(name, name, row, 'rates')
@@ -397,7 +403,7 @@ def main():
             print(f'{name}: {missing} is not there: scripts/robots.py --fetch')
             rows.append((name, (title, package), {'missing': str(missing)}))
             continue
-        if not (row['drafted'] and row['check_kinematic']):
+        if not (row['drafted'] and row['check_kinematic'] and row['posture'] and 5 <= row['joints'] <= 9):
             failed.append(name)
         if row['drafted'] and not options.draft:
             study.run(name, row)

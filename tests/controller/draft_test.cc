@@ -249,7 +249,8 @@ TEST_F(Drafts, AUrdfIsToldFromARobotFile) {
   EXPECT_TRUE(is_urdf(folder_ / "xml"));
 }
 
-// Robots that nobody prepared: read, with a posture that is clear and held, and nothing far apart in touch.
+// Robots that nobody prepared: read, with a posture that is clear and held, and nothing far apart in touch. Larger ones:
+// the test robots_are_drafted.
 class Unprepared : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Unprepared, HasAFirstFile) {
@@ -270,9 +271,7 @@ TEST_P(Unprepared, HasAFirstFile) {
 
 INSTANTIATE_TEST_SUITE_P(Robots, Unprepared,
                          ::testing::Values("panda_description/urdf/panda.urdf", "ur_description/urdf/ur5_robot.urdf",
-                                           "tiago_description/robots/tiago.urdf", "pr2_description/urdf/pr2.urdf",
-                                           "tiago_pro_description/robots/tiago_pro.urdf",
-                                           "baxter_description/urdf/baxter.urdf", "so_arm_description/urdf/so101.urdf"),
+                                           "tiago_description/robots/tiago.urdf", "so_arm_description/urdf/so101.urdf"),
                          [](const auto& robot) { return fs::path(robot.param).stem().string(); });
 
 }  // namespace
