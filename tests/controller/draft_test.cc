@@ -249,8 +249,8 @@ TEST_F(Drafts, AUrdfIsToldFromARobotFile) {
   EXPECT_TRUE(is_urdf(folder_ / "xml"));
 }
 
-// Robots that nobody prepared: read, with a posture that is clear and held, and nothing far apart in touch. Larger ones:
-// the test robots_are_drafted.
+// Robots that nobody prepared: read, with a posture that is clear and held, and nothing far apart in touch. Larger
+// ones: the test robots_are_drafted.
 class Unprepared : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Unprepared, HasAFirstFile) {

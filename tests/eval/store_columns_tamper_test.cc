@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -117,8 +118,11 @@ std::vector<std::string> tables() {
 /// By tables.
 class EveryColumn : public ::testing::TestWithParam<std::string> {
  protected:
-  void SetUp() override {
-    const fs::path file = folder_.write("suite.yaml", R"(name: small
+  /// One store for all tables.
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<SuiteFolder>();
+    store_ = folder_->root() / "whole.db";
+    const fs::path file = folder_->write("suite.yaml", R"(name: small
 robot: robots/tiny.yaml
 controllers: {plain: controllers/plain.yaml}
 worlds: {seed: 1, families: {open: {}}}
@@ -138,7 +142,7 @@ tune:
 )");
     run::TuneRequest search;
     search.file = store_;
-    search.gains = folder_.root() / "gains.yaml";
+    search.gains = folder_->root() / "gains.yaml";
     search.threads = 1;
     run::tune(search, tune::load_tuning(file));
     run::EvaluateRequest request;
@@ -146,6 +150,7 @@ tune:
     request.threads = 1;
     run::evaluate(request, load_suite(file));
   }
+  static void TearDownTestSuite() { folder_.reset(); }
 
   std::vector<Cell> cells() const {
     const SQLite::Database db(store_.string());
@@ -194,8 +199,8 @@ tune:
     });
   }
 
-  SuiteFolder folder_;
-  fs::path store_ = folder_.root() / "whole.db";
+  inline static std::unique_ptr<SuiteFolder> folder_;
+  inline static fs::path store_;
 };
 
 TEST_P(EveryColumn, ThatIsChangedIsFound) {
@@ -206,7 +211,7 @@ TEST_P(EveryColumn, ThatIsChangedIsFound) {
   for (const auto& [why, columns] : kUnseen)
     for (const std::string& name : columns)
       if (name.starts_with(GetParam() + ".")) excused.insert(name);
-  const fs::path copy = folder_.root() / "changed.db";
+  const fs::path copy = folder_->root() / "changed.db";
   for (const Cell& cell : cells()) {
     for (const bool to_null : {false, true}) {
       fs::copy_file(store_, copy, fs::copy_options::overwrite_existing);

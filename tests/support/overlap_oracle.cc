@@ -39,7 +39,7 @@ struct Solid {
     if (shape.kind == ShapeKind::kBox) {
       p = p.cwiseMax(-half).cwiseMin(half);
     } else {
-      const double r = std::hypot(p.x(), p.y());
+      const double r = p.head<2>().norm();
       if (r > half.x()) p.head<2>() *= half.x() / r;
       p.z() = std::clamp(p.z(), -half.z(), half.z());
     }
@@ -49,9 +49,8 @@ struct Solid {
   /// min over the core of direction . p.
   double least(const Vector3& direction_W) const {
     const Vector3 d = X.linear().transpose() * direction_W;
-    const double reach = shape.kind == ShapeKind::kBox
-                             ? d.cwiseAbs().dot(half)
-                             : half.x() * std::hypot(d.x(), d.y()) + half.z() * std::abs(d.z());
+    const double reach = shape.kind == ShapeKind::kBox ? d.cwiseAbs().dot(half)
+                                                       : half.x() * d.head<2>().norm() + half.z() * std::abs(d.z());
     return direction_W.dot(X.translation()) - reach;
   }
 };

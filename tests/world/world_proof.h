@@ -28,7 +28,7 @@ class WorldProof {
     place(world, clearance, at_witness.value_or(clearance));
     ASSERT_NO_FATAL_FAILURE(check_pose(start_, 0.0, 0.0, "start"));
     ASSERT_NO_FATAL_FAILURE(check_pose(witness_, 0.02, 0.01, "witness"));
-    ASSERT_LT((witness_.X_WE().matrix() - goal_state(world, 0.0).X_WG.matrix()).norm(), 1e-9) << "goal and witness";
+    ASSERT_LT((witness_.X_WE().matrix() - goal_state(world, 0.0).X_WG.matrix()).norm(), 1e-12) << "goal and witness";
     for (int j = 0; j < model_->num_joints(); ++j) {
       const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(j)];
       ASSERT_GE(world.witness.q[j], joint.lower) << "joint " << j;

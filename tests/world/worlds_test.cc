@@ -11,6 +11,7 @@
 
 #include "controller/step.h"
 #include "tests/world/support.h"
+#include "tests/world/world_proof.h"
 #include "world/scenario/family.h"
 #include "world/world_json.h"
 
@@ -33,71 +34,6 @@ std::vector<std::string> make_all(const Worlds& source, const std::shared_ptr<co
   for (std::thread& thread : pool) thread.join();
   return out;
 }
-
-/// Start and witness against floor, self and every object, by the distance library, one pair at a time.
-void expect_valid(const World& world, const RobotModel& model, double clearance, double at_witness,
-                  double witness_floor) {
-  Kinematics kinematics(std::make_shared<RobotModel>(model));
-  std::vector<ObjectState> states(world.objects.size());
-  object_states(world, 0.0, states);
-  const auto check = [&](const Configuration& c, double floor, double room, const char* who) {
-    kinematics.update(c.base, c.q);
-    for (const CollisionShape& shape : model.shapes) {
-      const double lowest = shape.rigid_with_base ? floor : lowest_point(shape.shape, kinematics.X_WS(shape));
-      ASSERT_GE(lowest, floor) << who << " " << shape.name;
-      for (std::size_t i = 0; i < world.objects.size(); ++i)
-        ASSERT_GT(shape_distance(shape.shape, kinematics.X_WS(shape), world.objects[i].shape, states[i].X_WO).d,
-                  room - 1e-6)
-            << who << " " << shape.name << " " << world.objects[i].name;
-    }
-    for (const SelfPair& pair : model.self_pairs) {
-      const CollisionShape& a = model.shapes[static_cast<std::size_t>(pair.first)];
-      const CollisionShape& b = model.shapes[static_cast<std::size_t>(pair.second)];
-      ASSERT_GT(shape_distance(a.shape, kinematics.X_WS(a), b.shape, kinematics.X_WS(b)).d, 0.0) << who;
-    }
-  };
-  check(world.start, 0.0, clearance, "start");
-  check(world.witness, witness_floor, at_witness, "witness");
-  EXPECT_LT((kinematics.X_WE().matrix() - world.goal.X_WG.matrix()).norm(), 1e-12) << "the witness reaches the goal";
-  for (int j = 0; j < model.num_joints(); ++j) {
-    EXPECT_GE(world.witness.q[j], model.joints[static_cast<std::size_t>(j)].lower);
-    EXPECT_LE(world.witness.q[j], model.joints[static_cast<std::size_t>(j)].upper);
-  }
-}
-
-struct Case {
-  std::string robot;
-  std::string family;
-  int count;
-};
-
-class EveryFamily : public testing::TestWithParam<Case> {};
-
-TEST_P(EveryFamily, IsSolvableByConstruction) {
-  const auto& [name, family, count] = GetParam();
-  const auto model = test::robot_for(name, family);
-  const Worlds source = worlds("seed: 5\nfamilies: {" + family + ": {weight: 1}}");
-  if (test::is_for_others(source, model)) return;
-  for (int i = 0; i < count; ++i) {
-    const World world = source.make(model, static_cast<std::uint64_t>(i));
-    expect_valid(world, *model, source.clearance(), test::at_witness(source), 0.02);
-    EXPECT_EQ(world.family, family);
-    EXPECT_EQ(world.robot, model->name);
-    EXPECT_EQ(world.difficulty.objects, static_cast<int>(world.objects.size()));
-    if (HasFatalFailure()) FAIL() << "world " << i << ": " << to_json(world).dump();
-  }
-}
-
-std::vector<Case> cases() {
-  std::vector<Case> out;
-  for (const auto& [robot, count] :
-       {std::pair{"frankie", 1000}, {"frankie_omni", 200}, {"lift_ur5", 200}, {"panda", 200}, {"ur5", 200}})
-    for (const FamilyType& type : family_types()) out.push_back({robot, std::string(type.name), count});
-  return out;
-}
-
-INSTANTIATE_TEST_SUITE_P(Worlds, EveryFamily, testing::ValuesIn(cases()),
-                         [](const auto& p) { return p.param.robot + "_" + p.param.family; });
 
 const WorldObject& named(const World& world, const std::string& name) {
   for (const WorldObject& object : world.objects)
@@ -136,7 +72,7 @@ TEST(Worlds, TheRobotStandsOnTheDesk) {
     if (shape.rigid_with_base) lowest = std::min(lowest, lowest_point(shape.shape, at_ready.X_WS(shape)));
   for (std::uint64_t i = 0; i < 60; ++i) {
     const World world = source.make(model, i);
-    expect_valid(world, *model, source.clearance(), source.clearance(), 0.02);
+    test::WorldProof(model).check(world, source.clearance(), 0.0, 1.0);
     const WorldObject& top = named(world, "table_top");
     const double height = top.X_WO.translation().z() + 0.5 * top.shape.size.z();
     EXPECT_NEAR(height, lowest - 0.06, 1e-9) << "the plate under the robot";

@@ -116,26 +116,19 @@ class Search {
     constexpr double kStep = 1e-6;
     const double longest = std::max(time(x), 1e-9);
     double sum = 0.0;
-    const auto add = [&](Eigen::Index at, double t, double moved) {
-      out[at] = std::pow(t / longest, kPower - 1.0) * (moved - t) / kStep;
-    };
-    if (bases_ > 0) {
-      const double t = driving_time(x);
+    const auto add = [&](double t, Eigen::Index first, Eigen::Index count, const auto& time_of) {
+      const double weight = std::pow(t / longest, kPower - 1.0);
       sum += std::pow(t / longest, kPower);
-      for (Eigen::Index k = 0; k < 3; ++k) {
-        const double was = x[k];
-        x[k] += kStep;
-        add(k, t, driving_time(x));
-        x[k] = was;
+      for (Eigen::Index at = first; at < first + count; ++at) {
+        const double was = x[at];
+        x[at] += kStep;
+        out[at] = weight * (time_of() - t) / kStep;
+        x[at] = was;
       }
-    }
-    for (Eigen::Index i = 0; i < model_.num_joints(); ++i) {
-      const double t = joint_time(x, i), was = x[bases_ + i];
-      sum += std::pow(t / longest, kPower);
-      x[bases_ + i] += kStep;
-      add(bases_ + i, t, joint_time(x, i));
-      x[bases_ + i] = was;
-    }
+    };
+    if (bases_ > 0) add(driving_time(x), 0, 3, [&] { return driving_time(x); });
+    for (Eigen::Index i = 0; i < model_.num_joints(); ++i)
+      add(joint_time(x, i), bases_ + i, 1, [&] { return joint_time(x, i); });
     out *= std::pow(sum, 1.0 / kPower - 1.0);
   }
 
@@ -160,14 +153,15 @@ class Search {
   void descend(VectorX x) {
     const Eigen::Index n = x.size();
     Jacobian J(6, n);
-    VectorX slope(n), free(n), step(n);
+    VectorX slope(n), free(n), step(n), down(n), along(n);
     double length = kFirstStep;
     for (int k = 0, left = kIterations; left > 0; ++k) {
       Vector6 e = error(x);
-      const double turn = e.head<3>().norm(), way = e.tail<3>().norm(), now = time(x);
+      const double turn = e.head<3>().norm(), way = e.tail<3>().norm();
       const bool near = turn < kNearTurn && way < kNearWay;
       if (!near && k >= kApproach) return;
-      if (turn < kOrientation && way < kPosition && now < best_.time)
+      const double now = near ? time(x) : 0.0;
+      if (near && turn < kOrientation && way < kPosition && now < best_.time)
         best_ = {now, {kinematics_.base(), kinematics_.q()}};
       if (turn > kMostTurn) e.head<3>() *= kMostTurn / turn;
       if (way > kMostWay) e.tail<3>() *= kMostWay / way;
@@ -176,18 +170,20 @@ class Search {
       } else {
         J = kinematics_.J_WE_W();
       }
-      gradient(x, slope);
+      if (near) gradient(x, slope);
       free = metric_;
       // A joint that would leave its range stops at the limit, and the others make up for it.
       for (int pass = 0; pass < 2; ++pass) {
         const Matrix6 M = J * free.asDiagonal() * J.transpose() + kDamping * Matrix6::Identity();
         const Eigen::LDLT<Matrix6> ldlt(M);
-        const VectorX down = free.cwiseProduct(slope);
-        const VectorX along = down - free.cwiseProduct(J.transpose() * ldlt.solve(Vector6(J * down)));
-        const double rate = slope.dot(along);
         step = free.cwiseProduct(J.transpose() * ldlt.solve(e));
-        // An arm that is not redundant has no null space: what damping leaves of it leads off the goal.
-        if (near && rate > kNullSpace * slope.dot(down)) step -= length * now / rate * along;
+        if (near) {
+          down = free.cwiseProduct(slope);
+          along = down - free.cwiseProduct(J.transpose() * ldlt.solve(Vector6(J * down)));
+          const double rate = slope.dot(along);
+          // An arm that is not redundant has no null space: what damping leaves of it leads off the goal.
+          if (rate > kNullSpace * slope.dot(down)) step -= length * now / rate * along;
+        }
         bool beyond = false;
         for (Eigen::Index i = 0; i < n; ++i) {
           const double to = std::clamp(x[i] + step[i], lower_[i], upper_[i]);
