@@ -52,21 +52,18 @@ def refuse_in_worker(what: str) -> None:
 def run(arguments: Sequence[str], *, show: bool = False) -> str:
     """What it prints. `show`: its progress and remarks go to this process's standard error as well. Ctrl-C reaches it as well; it
     stops as it does in a terminal, with what is done saved. Raises ProgramError."""
-    child = subprocess.Popen(
-        [program(), *arguments],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
     said: list[str] = []
-    listener = threading.Thread(target=_listen, args=(child.stderr, said, show))
-    listener.start()
-    assert child.stdout is not None
-    try:
-        out = child.stdout.read()
-    finally:  # Ctrl-C reaches the program, which ends by itself
-        child.wait()
-        listener.join()
+    with subprocess.Popen(
+        [program(), *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as child:
+        assert child.stdout is not None
+        listener = threading.Thread(target=_listen, args=(child.stderr, said, show))
+        listener.start()
+        try:
+            out = child.stdout.read()
+        finally:  # Ctrl-C reaches the program, which ends by itself
+            child.wait()
+            listener.join()
     if child.returncode != 0:
         lines = [line for line in re.split(r"[\r\n]+", "".join(said)) if line and not PROGRESS.match(line)]
         raise ProgramError("\n".join(lines) or f"moma {arguments[0]} ended with exit code {child.returncode}", child.returncode)
