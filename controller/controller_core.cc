@@ -25,9 +25,13 @@ ControllerParams checked(ControllerParams params, const RobotModel& model, doubl
   return full;
 }
 
-std::shared_ptr<const RobotModel> not_null(std::shared_ptr<const RobotModel> model) {
+// A copy of the model with a spare shape; null if it has one.
+std::shared_ptr<RobotModel> with_room(const std::shared_ptr<const RobotModel>& model) {
   if (model == nullptr) throw std::invalid_argument("a controller needs a robot");
-  return model;
+  if (model->spare) return nullptr;
+  auto copy = std::make_shared<RobotModel>(*model);
+  add_spare_shape(*copy);
+  return copy;
 }
 
 bool finite(const GoalState& goal) noexcept {
@@ -42,10 +46,11 @@ bool finite(const std::optional<ObjectCovariance>& covariance) noexcept {
 
 ControllerCore::ControllerCore(std::shared_ptr<const RobotModel> model, ControllerParams params, double control_period,
                                SolverMaker make_qp_solver)
-    : model_(not_null(std::move(model))),
+    : own_(with_room(model)),
+      model_(own_ ? own_ : model),
       params_(checked(std::move(params), *model_, control_period)),
       control_period_(control_period),
-      map_(model_, params_.map, params_.prediction.base_sensing, params_.prediction.joint_sensing),
+      map_(model, params_.map, params_.prediction.base_sensing, params_.prediction.joint_sensing),
       predictor_(*model_, params_.prediction, params_.uncertainty, params_.base_share, control_period,
                  params_.acceleration_limit),
       escape_(params_.escape, params_.servo, *model_, control_period),
@@ -67,7 +72,8 @@ void ControllerCore::reset(std::span<const ObjectShape> told) {
   std::vector<ObjectShape> objects(told.begin(), told.end());
   map_.reset();
   map_.append_shapes(objects);
-  told_ = told.size();
+  told_.assign(told.begin(), told.end());
+  if (own_) carry(*own_, {}, nullptr);
   object_names_.clear();
   for (const ObjectShape& object : objects) object_names_.push_back(object.name);
   poser_.set_objects(objects);
@@ -88,6 +94,10 @@ void ControllerCore::prepare(StepResult& result) const { result.command = Vector
 void ControllerCore::step(const Observation& observation, StepResult& result) noexcept {
   begin(result);
   if (!usable(observation) || result.command.size() != answer_.command.size()) return brake(observation, result);
+  if (own_) {
+    const std::optional<Carried>& carried = observation.carried;
+    carry(*own_, carried, carried ? &told_[static_cast<std::size_t>(carried->object)].shape : nullptr);
+  }
   if (map_.on()) {
     map_.observe(observation);
     std::ranges::copy(map_.states(), predictor_.more().begin());
@@ -127,10 +137,15 @@ void ControllerCore::begin(StepResult& result) noexcept {
 }
 
 bool ControllerCore::usable(const Observation& o) const noexcept {
-  if (o.q.size() != model_->num_joints() || o.qdot.size() != model_->num_velocities() || o.objects.size() != told_)
+  if (o.q.size() != model_->num_joints() || o.qdot.size() != model_->num_velocities() ||
+      o.objects.size() != told_.size())
     return false;
   if (!std::isfinite(o.time) || !o.base.allFinite() || !o.q.allFinite() || !o.qdot.allFinite() || !finite(o.goal) ||
       (o.next && !finite(*o.next)) || (o.upright && !(o.upright->axis.allFinite() && std::isfinite(o.upright->angle))))
+    return false;
+  const auto count = static_cast<int>(told_.size());
+  if (o.carried &&
+      (o.carried->object < 0 || o.carried->object >= count || o.carried->support >= count || !is_pose(o.carried->X_EO)))
     return false;
   for (const ObjectState& object : o.objects)
     if (object.visible &&

@@ -125,6 +125,7 @@ class ControllerCore final : public StepController {
   void begin(StepResult& result) noexcept;
   void report(const Situation* now, StepResult& result) noexcept;
 
+  std::shared_ptr<RobotModel> own_;  // the model with its spare shape; null if that belongs to another controller
   std::shared_ptr<const RobotModel> model_;
   ControllerParams params_;
   double control_period_;
@@ -133,7 +134,7 @@ class ControllerCore final : public StepController {
 
   // Memory between steps.
   SeenMap map_;
-  std::size_t told_ = 0;  // number of objects that observations have
+  std::vector<ObjectShape> told_;  // the objects that observations have
   Predictor predictor_;
   Escape escape_;
   std::unique_ptr<Lookahead> lookahead_;  // null if `plan` is off

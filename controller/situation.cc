@@ -14,6 +14,7 @@ void copy_observation(const Observation& from, Observation& to) noexcept {
   to.goal = from.goal;
   to.next = from.next;
   to.upright = from.upright;
+  to.carried = from.carried;
   std::copy_n(from.objects.begin(), std::min(from.objects.size(), to.objects.size()), to.objects.begin());
 }
 

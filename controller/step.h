@@ -35,6 +35,7 @@ struct Observation {
   GoalState goal;
   std::optional<GoalState> next;     ///< the goal after it, where one follows and is known
   std::optional<Upright> upright;    ///< path constraint of the whole motion
+  std::optional<Carried> carried;    ///< the object in the hand, whose own state means nothing
   std::vector<ObjectState> objects;  ///< in the number and order of reset()
 };
 

@@ -41,6 +41,16 @@ constexpr void describe(auto& v, Of<GoalState>) {
             .text = "1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z"});
 }
 
+constexpr void describe(auto& v, Of<Carried>) {
+  using T = Carried;
+  v.member("object", &T::object, {.range = {0.0, 1e6}, .required = true, .text = "its index among the objects"});
+  v.member("pose", &T::X_EO, {.required = true});
+  v.member("support", &T::support,
+           {.range = {-2.0, 1e6},
+            .written = Written::kUnlessDefault,
+            .text = "index of the object that it has not been lifted clear of; -2: the floor, -1: none"});
+}
+
 constexpr void describe(auto& v, Of<Observation>) {
   using T = Observation;
   v.member("time", &T::time,
@@ -54,6 +64,7 @@ constexpr void describe(auto& v, Of<Observation>) {
   v.member("goal", &T::goal, {.required = true, .text = "a pose, its twist and what it asks for"});
   v.member("next", &T::next, {.text = "the goal after it; where none is told, it is the last one as far as is known"});
   v.member("upright", &T::upright, {.text = "path constraint of the whole motion"});
+  v.member("carried", &T::carried, {.text = "the object in the hand, which moves with it; its pose is in E"});
   v.member("objects", &T::objects, {.text = "in the order of the reset"});
 }
 

@@ -24,7 +24,7 @@ extern "C" {
 
 /** Raised whenever a function or struct below changes, and with it the protocol of processes
  * (plugin/process/session.h). A library made for another version is refused. */
-#define MOMA_PLUGIN_ABI 6
+#define MOMA_PLUGIN_ABI 7
 
 #if defined(_WIN32)
 #define MOMA_PLUGIN_EXPORT __declspec(dllexport)
@@ -113,6 +113,11 @@ typedef struct moma_observation {
   double has_upright; /**< 0: there is none, its numbers mean nothing */
   double axis_upright[3]; /**< axis of E, of any length but 0, that stays near the vertical */
   double angle_upright; /**< [rad] largest angle between that axis and the vertical */
+  double has_carried; /**< 0: there is none, its numbers mean nothing */
+  double object_carried; /**< its index among the objects */
+  double position_carried[3]; /**< [m] */
+  double rotation_carried[9]; /**< 3 x 3, by rows */
+  double support_carried; /**< index of the object that it has not been lifted clear of; -2: the floor, -1: none */
 /* end of numbers of an observation */
   /* clang-format on */
   const double* q;

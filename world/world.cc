@@ -1,5 +1,6 @@
 #include "world/world.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "controller/step.h"
@@ -39,6 +40,17 @@ void object_states(const World& world, double t, std::vector<ObjectState>& state
     states[i].X_WO = pose.X;
     states[i].V_WO_W = pose.V_W;
   }
+}
+
+bool carries(const World& world) {
+  return !world.goal.take.empty() || std::any_of(world.further.begin(), world.further.end(),
+                                                 [](const WorldGoal& goal) { return !goal.take.empty(); });
+}
+
+int find_object(const World& world, std::string_view name) {
+  for (std::size_t i = 0; i < world.objects.size(); ++i)
+    if (world.objects[i].name == name) return static_cast<int>(i);
+  return -1;
 }
 
 GoalState goal_state(const World& world, double t, std::size_t index) {

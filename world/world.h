@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "controller/model/proximity.h"
@@ -33,6 +34,7 @@ struct WorldGoal {
   Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();  ///< see set_pose()
   bool stop = true;                ///< false: it counts as reached as soon as E is within tolerance
   Vector6 free = Vector6::Zero();  ///< 1: a free direction (GoalState)
+  std::string take, leave;         ///< name of the object that the hand takes, or leaves, once the goal is reached
 };
 
 struct Difficulty {
@@ -74,6 +76,10 @@ void object_states(const World& world, double t, std::vector<ObjectState>& state
 inline const WorldGoal& goal_of(const World& world, std::size_t index) {
   return index == 0 ? world.goal : world.further[index - 1];
 }
+/// True if a goal takes an object.
+bool carries(const World& world);
+/// Index of the object with this name; -1 if there is none.
+int find_object(const World& world, std::string_view name);
 struct GoalState goal_state(const World& world, double t, std::size_t index = 0);
 
 }  // namespace moma

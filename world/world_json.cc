@@ -1,5 +1,7 @@
 #include "world/world_json.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <concepts>
@@ -131,6 +133,28 @@ void read_placed(MapReader& in, T& out, Isometry T::*X_0, const char* twist, boo
                  "at t = 0 it is " + std::to_string(gap) + " m from the position given");
 }
 
+/// Checks that the goals take one object at rest at a time, and leave that one.
+void check_carried(const World& world, const MapReader& in) {
+  std::string held;
+  for (std::size_t i = 0; i <= world.further.size(); ++i) {
+    const WorldGoal& goal = goal_of(world, i);
+    if (goal.take.empty() && goal.leave.empty()) continue;
+    const std::string key = world.further.empty() ? "goal" : "goals", goal_i = fmt::format("{}[{}]", key, i);
+    if (!goal.stop) in.fail_at(key.c_str(), goal_i + ": expected stop: true where the hand takes or leaves an object");
+    if (!goal.leave.empty() && (goal.leave != held || !goal.take.empty()))
+      in.fail_at(key.c_str(), fmt::format("{}.leave: '{}' is not what the hand carries ({})", goal_i, goal.leave,
+                                          held.empty() ? "nothing" : held));
+    if (!goal.take.empty()) {
+      const int object = find_object(world, goal.take);
+      if (object < 0) in.fail_at(key.c_str(), fmt::format("{}.take: no object has the name '{}'", goal_i, goal.take));
+      if (!at_rest(world.objects[static_cast<std::size_t>(object)].motion, 0.0))
+        in.fail_at(key.c_str(), fmt::format("{}.take: '{}' moves; expected an object at rest", goal_i, goal.take));
+      if (!held.empty()) in.fail_at(key.c_str(), fmt::format("{}.take: the hand already carries '{}'", goal_i, held));
+    }
+    held = goal.take;
+  }
+}
+
 template <class T>
 void write_placed(Json& json, const T& placed, const Isometry& X_0, const char* twist) {
   const auto list = [](const auto& v) { return Json(std::vector<double>(v.begin(), v.end())); };
@@ -156,6 +180,8 @@ void read_value(const Node& node, const std::string& key, WorldGoal& goal, const
   if (const Node* found = in.get("free")) config::description::read_any(*found, in.key_of("free"), free, {}, {});
   for (const Direction direction : free) goal.free[static_cast<Eigen::Index>(direction)] = 1.0;
   in.check(!goal.free.isOnes(0.0), "free", "expected a direction that is not free");
+  if (const Node* name = in.get("take")) goal.take = config::read_string(*name, in.key_of("take"));
+  if (const Node* name = in.get("leave")) goal.leave = config::read_string(*name, in.key_of("leave"));
   in.finish();
 }
 
@@ -188,6 +214,8 @@ Json write_value(const WorldGoal& goal, const About&) {
   if (!goal.stop) json["stop"] = false;
   for (int i = 0; i < 6; ++i)
     if (goal.free[i] != 0.0) json["free"].push_back(to_string(static_cast<Direction>(i)));
+  if (!goal.take.empty()) json["take"] = goal.take;
+  if (!goal.leave.empty()) json["leave"] = goal.leave;
   return json;
 }
 
@@ -277,6 +305,7 @@ World world_from_node(const Node& node, const std::string& key) {
   read("moves", moves);
   if (in.get("moves") != nullptr) out.moves = std::make_shared<const Moves>(std::move(moves));
   in.finish();
+  check_carried(out, in);
   if (out.witness.q.size() != out.start.q.size())
     in.fail_at("witness", "start has " + std::to_string(out.start.q.size()) + " joint values, witness " +
                               std::to_string(out.witness.q.size()));

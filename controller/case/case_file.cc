@@ -106,6 +106,7 @@ ControlCase read_case(const Node& root) {
   read_state(in.require("state", "{base, q, qdot}"), model, out);
   read_map(in.require("goal", "{position, quaternion, twist}"), "goal", model, out.observation.goal);
   if (const Node* next = in.get("next_goal")) read_map(*next, "next_goal", model, out.observation.next.emplace());
+  if (const Node* held = in.get("carried")) read_map(*held, "carried", model, out.observation.carried.emplace());
   if (const Node* objects = in.get("objects")) read_objects(*objects, out);
   check_prediction(out, in.require("state", ""));
   in.finish();
@@ -133,6 +134,7 @@ nlohmann::ordered_json case_to_json(const ControlCase& c) {
       {"robot", c.robot.resolved}, {"controller", config::to_json(c.controller)}, {"control_period", c.control_period},
       {"state", std::move(state)}, {"goal", sensed_to_json(c.observation.goal)},  {"objects", std::move(objects)}};
   if (c.observation.next) out["next_goal"] = sensed_to_json(*c.observation.next);
+  if (c.observation.carried) out["carried"] = sensed_to_json(*c.observation.carried);
   return out;
 }
 

@@ -41,6 +41,20 @@ struct Proximity::Impl {
   std::vector<Around> around, near;  // the held objects, and those near the robot
   std::vector<ProximityPair> pairs;
 
+  // The carried object is no obstacle but the last shape of the robot.
+  int carried() const noexcept {
+    return model->carried && model->carried->object < static_cast<int>(objects.size()) ? model->carried->object : -1;
+  }
+  const Solid& solid(std::size_t i) const noexcept {
+    const int object = i + 1 == robot.size() ? carried() : -1;
+    return object < 0 ? robot[i] : objects[static_cast<std::size_t>(object)];
+  }
+  // Number of shapes that are there.
+  std::size_t present() const noexcept { return robot.size() - (model->spare && carried() < 0 ? 1 : 0); }
+  bool counts(std::size_t i, int second) const noexcept {
+    return i < present() && (second < 0 || second != carried()) && !model->stands_on(static_cast<int>(i), second);
+  }
+
   // Returns the distance if it is less than `range`, after cheap lower bounds.
   std::optional<Distance> within(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb,
                                  double range) noexcept {
@@ -77,9 +91,10 @@ struct Proximity::Impl {
   }
 
   std::optional<Distance> to_floor(std::size_t i, double range) const noexcept {
-    if (stands[i] || !(robot_X_WS[i].translation().z() - robot[i].radius < range)) return {};
+    if (stands[i] || !(robot_X_WS[i].translation().z() - solid(i).radius < range) || !counts(i, kFloorSupport))
+      return {};
     Distance distance;
-    distance.d = lowest_point(robot[i].shape, robot_X_WS[i], &distance.p_first_W);
+    distance.d = lowest_point(solid(i).shape, robot_X_WS[i], &distance.p_first_W);
     distance.p_second_W = distance.p_first_W;
     distance.p_second_W.z() = 0.0;
     if (!(distance.d < range)) return {};
@@ -89,39 +104,40 @@ struct Proximity::Impl {
   // Calls found(pair) for every pair inside its range, in the fixed order, until it returns false.
   template <class Found>
   void each(const Kinematics& kinematics, const ProximityRanges& ranges, Found&& found) noexcept {
-    const std::vector<CollisionShape>& shapes = model->shapes;
+    const std::size_t count = present();
     if (!place(kinematics)) return;
     if (ranges.object >= 0.0) {
       Eigen::AlignedBox3d robot_box;
-      for (std::size_t i = 0; i < robot.size(); ++i) robot_box.extend(box_around(robot[i], robot_X_WS[i]));
+      for (std::size_t i = 0; i < count; ++i) robot_box.extend(box_around(solid(i), robot_X_WS[i]));
       // Objects out of range of the robot's box are out of range of each shape; `apart` decides the others.
       constexpr double kRounding = 1e-5;
       const double reach = (ranges.object + kRounding) * (ranges.object + kRounding);
       near.clear();
       for (const Around& object : around)
         if (!(robot_box.squaredExteriorDistance(object.box) > reach)) near.push_back(object);
-      for (std::size_t i = 0; i < shapes.size(); ++i) {
-        const Eigen::AlignedBox3d box = box_around(robot[i], robot_X_WS[i]);
+      for (std::size_t i = 0; i < count; ++i) {
+        const Eigen::AlignedBox3d box = box_around(solid(i), robot_X_WS[i]);
         for (const Around& object : near) {
           if (box.squaredExteriorDistance(object.box) > reach) continue;
           const std::size_t j = object.object;
-          const auto d = within(robot[i], robot_X_WS[i], objects[j], held[j].X_WO, ranges.object);
+          if (!counts(i, static_cast<int>(j))) continue;
+          const auto d = within(solid(i), robot_X_WS[i], objects[j], held[j].X_WO, ranges.object);
           if (d && !found(ProximityPair{PairKind::kObject, static_cast<int>(i), static_cast<int>(j), *d})) return;
         }
       }
     }
     if (ranges.floor >= 0.0) {
-      for (std::size_t i = 0; i < shapes.size(); ++i) {
+      for (std::size_t i = 0; i < count; ++i) {
         const auto d = to_floor(i, ranges.floor);
         if (d && !found(ProximityPair{PairKind::kFloor, static_cast<int>(i), -1, *d})) return;
       }
     }
     if (ranges.self >= 0.0) {
       for (const SelfPair& pair : model->self_pairs) {
-        if (!pair.row) continue;
         const auto a = static_cast<std::size_t>(pair.first);
         const auto b = static_cast<std::size_t>(pair.second);
-        const auto d = within(robot[a], robot_X_WS[a], robot[b], robot_X_WS[b], ranges.self);
+        if (!pair.row || b >= count) continue;
+        const auto d = within(solid(a), robot_X_WS[a], solid(b), robot_X_WS[b], ranges.self);
         if (d && !found(ProximityPair{PairKind::kSelf, pair.first, pair.second, *d})) return;
       }
     }
@@ -196,15 +212,17 @@ std::optional<Distance> Proximity::within(PairKind kind, int first, int second, 
   const auto a = static_cast<std::size_t>(first);
   if (kind == PairKind::kFloor) return impl.to_floor(a, range);
   const auto b = static_cast<std::size_t>(second);
+  if (kind == PairKind::kSelf && b >= impl.present()) return {};
   if (kind == PairKind::kSelf)
-    return impl.within(impl.robot[a], impl.robot_X_WS[a], impl.robot[b], impl.robot_X_WS[b], range);
+    return impl.within(impl.solid(a), impl.robot_X_WS[a], impl.solid(b), impl.robot_X_WS[b], range);
+  if (!impl.counts(a, second)) return {};
   impl.fit(b, states[b]);
-  return impl.within(impl.robot[a], impl.robot_X_WS[a], impl.objects[b], states[b].X_WO, range);
+  return impl.within(impl.solid(a), impl.robot_X_WS[a], impl.objects[b], states[b].X_WO, range);
 }
 
 double Proximity::least_gap(int shape, int object, const Isometry& X_WO) const noexcept {
   const auto i = static_cast<std::size_t>(shape);
-  return moma::least_gap(impl_->robot[i], impl_->robot_X_WS[i], impl_->objects[static_cast<std::size_t>(object)], X_WO);
+  return moma::least_gap(impl_->solid(i), impl_->robot_X_WS[i], impl_->objects[static_cast<std::size_t>(object)], X_WO);
 }
 
 bool is_pose(const Isometry& X) noexcept {

@@ -77,7 +77,9 @@ struct ProximityRanges {
 };
 
 /// Distances between a robot's shapes, a set of objects, the floor (z = 0) and the robot itself, by coal after a broad
-/// phase of bounding spheres. One per worker. set_objects() may allocate; query() neither allocates nor throws.
+/// phase of bounding spheres. The object that the model carries is no obstacle but the robot's last shape; between it
+/// and its support there is no distance. One per worker. set_objects() may allocate; query() neither allocates nor
+/// throws.
 class Proximity {
  public:
   explicit Proximity(std::shared_ptr<const RobotModel> model);

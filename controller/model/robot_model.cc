@@ -72,6 +72,24 @@ std::vector<int> RobotModel::hand_shapes() const {
   return hand;
 }
 
+void add_spare_shape(RobotModel& model) {
+  const int spare = static_cast<int>(model.shapes.size());
+  const int hand = model.rigid_root(model.tip);
+  for (int i = 0; i < spare; ++i)
+    if (model.rigid_root(model.shape(i).link) != hand) model.self_pairs.push_back({i, spare, true});
+  model.shapes.push_back({"carried", model.tip, {}, model.X_TE, hand == 0, true});
+  model.spare = true;
+}
+
+void carry(RobotModel& model, const std::optional<Carried>& carried, const Shape* shape) noexcept {
+  model.carried = carried;
+  CollisionShape& spare = model.shapes.back();
+  spare.absent = !carried;
+  if (spare.absent) return;
+  spare.shape = *shape;
+  spare.X_LS = model.X_TE * carried->X_EO;
+}
+
 int RobotModel::find_link(std::string_view link_name) const noexcept {
   for (std::size_t i = 0; i < links.size(); ++i)
     if (links[i].name == link_name) return static_cast<int>(i);

@@ -86,6 +86,21 @@ struct CollisionShape {
   Shape shape;
   Isometry X_LS = Isometry::Identity();
   bool rigid_with_base = false;  ///< no controlled joint between it and "@base"
+  bool absent = false;           ///< the spare shape of a robot that carries nothing
+};
+
+/// Carried::support of an object that has been lifted clear, and of one that stands on the floor.
+inline constexpr int kNoSupport = -1, kFloorSupport = -2;
+
+/// An object in the hand: it moves with E, and is no obstacle.
+struct Carried {
+  int object = 0;                        ///< index of the object in the scene
+  Isometry X_EO = Isometry::Identity();  ///< its pose in E
+  int support = kNoSupport;              ///< index of the object from which it has not been lifted clear yet
+
+  bool operator==(const Carried& other) const noexcept {
+    return object == other.object && support == other.support && X_EO.matrix() == other.X_EO.matrix();
+  }
 };
 
 /// A pair of robot shapes (indices, first < second) whose contact is a self-collision.
@@ -115,6 +130,9 @@ struct RobotModel {
   std::vector<CollisionShape> shapes;
   std::vector<SelfPair> self_pairs;
   std::vector<MountedSensor> sensors;
+  /// True if the last shape is spare: it stands for the carried object (add_spare_shape()).
+  bool spare = false;
+  std::optional<Carried> carried;
 
   const Link& link(int i) const noexcept { return links[static_cast<std::size_t>(i)]; }
   const ControlledJoint& joint(int i) const noexcept { return joints[static_cast<std::size_t>(i)]; }
@@ -135,6 +153,18 @@ struct RobotModel {
   VectorX velocity_limits() const;
   /// Names of the velocity coordinates: "v", "omega" / "v_x", "v_y", "omega", then joint names.
   std::vector<std::string> velocity_names() const;
+  /// True if a shape is the carried object and `second`, an object or kFloorSupport, its support: no collision.
+  bool stands_on(int shape, int second) const noexcept {
+    return carried && carried->support == second && second != kNoSupport &&
+           shape + 1 == static_cast<int>(shapes.size());
+  }
 };
+
+/// Appends a spare shape, and its self pairs with every shape that is not rigid with E. Only before the robot is
+/// shared.
+void add_spare_shape(RobotModel& model);
+/// Makes the spare shape the carried object, whose geometry is `shape`, or absent. Real-time safe. Whoever owns the
+/// model calls it between two uses of the parts that share it.
+void carry(RobotModel& model, const std::optional<Carried>& carried, const Shape* shape) noexcept;
 
 }  // namespace moma

@@ -22,6 +22,7 @@ ShapeWays::ShapeWays(const RobotModel& model)
 
 void ShapeWays::begin(const Kinematics& kinematics) noexcept {
   const std::size_t count = model_->shapes.size();
+  if (model_->spare) radii_.back() = bounding_radius(model_->shapes.back().shape);
   for (std::size_t s = 0; s < count; ++s) {
     const CollisionShape& shape = model_->shapes[s];
     centres_W_[s] = kinematics.X_WL(shape.link) * shape.X_LS.translation();

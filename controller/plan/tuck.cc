@@ -21,7 +21,7 @@ double sprawl(const RobotModel& model, const Kinematics& kinematics, const Eigen
   constexpr double kAll = 0.02, kChange = 0.02;
   double farthest = 0.0, sum = 0.0;
   for (const CollisionShape& shape : model.shapes) {
-    if (shape.rigid_with_base) continue;
+    if (shape.rigid_with_base || shape.absent) continue;
     double reach = 0.0;
     for (int k = 0; k < kDirections; ++k) {
       const double angle = 2.0 * std::numbers::pi * k / kDirections;

@@ -251,6 +251,7 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   out_.goal = o.goal;
   out_.next = o.next;
   out_.upright = o.upright;
+  out_.carried = o.carried;
   out_.goal.X_WG = m.goal.X_W();
   out_.goal.V_WG_W.setZero();
   if (m.goal.moving) {

@@ -48,7 +48,7 @@ void SeparationWatch::look(const Kinematics& kinematics, Proximity& proximity, s
   for (const ProximityPair& pair : proximity.query(kinematics, moving_, {range, -1.0, -1.0})) {
     const Distance& distance = pair.distance;
     const ObjectState& object = moving_[static_cast<std::size_t>(pair.second)];
-    kinematics.point_jacobian(model_.shapes[static_cast<std::size_t>(pair.first)].link, distance.p_first_W, J_);
+    kinematics.point_jacobian(kinematics.model().shape(pair.first).link, distance.p_first_W, J_);
     const Vector3 arm = distance.p_second_W - object.X_WO.translation();
     const Vector3 v_object = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
     // d increases along n with the motion of the robot's point, and decreases with the object's.

@@ -20,8 +20,8 @@ namespace {
 /// world/sensing/sensing.h then disturbs it. Keeps sizes of `observation` that fit, so that only the first step
 /// allocates.
 void observe(const PlantState& truth, const std::vector<ObjectState>& objects, const GoalState& goal,
-             const std::optional<GoalState>& next, const std::optional<Upright>& upright, double t,
-             Observation& observation) {
+             const std::optional<GoalState>& next, const std::optional<Upright>& upright,
+             const std::optional<Carried>& carried, double t, Observation& observation) {
   observation.time = t;
   observation.base = truth.base;
   observation.q = truth.q;
@@ -29,7 +29,18 @@ void observe(const PlantState& truth, const std::vector<ObjectState>& objects, c
   observation.goal = goal;
   observation.next = next;
   observation.upright = upright;
+  observation.carried = carried;
   observation.objects = objects;
+}
+
+// An object stands on what is nearer than the first, and is clear of it beyond the second [m].
+constexpr double kStands = 0.01, kLifted = 0.03;
+
+std::shared_ptr<RobotModel> with_room(const RobotModel& model, const World& world) {
+  if (!carries(world)) return nullptr;
+  auto out = std::make_shared<RobotModel>(model);
+  add_spare_shape(*out);
+  return out;
 }
 
 /// The rule for a goal: who passes through it does not dwell.
@@ -51,14 +62,15 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
                      ProfileClock* profile)
     : spec_(spec),
       world_(world),
-      model_(*spec.robot->model),
+      hand_(with_room(*spec.robot->model, world)),
+      model_(hand_ ? *hand_ : *spec.robot->model),
       plant_(plant),
       r_(recording),
       profile_(profile),
       period_(spec.simulation.control_period),
       last_step_(std::max(1L, periods_in(spec.simulation.time_limit, period_))),
-      kinematics_(spec.robot->model),
-      proximity_(spec.robot->model),
+      kinematics_(hand_ ? hand_ : spec.robot->model),
+      proximity_(hand_ ? hand_ : spec.robot->model),
       dwell_(rule_of(spec, world.goal)),
       stuck_(spec.stuck, any(spec.disturbances), period_),
       infeasible_(spec.infeasible, period_),
@@ -76,10 +88,12 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
                               [](const WorldObject& object) { return !at_rest(object.motion, 0.0); });
   const Disturbances& disturbances = spec_.disturbances;
   if (senses_with_errors(disturbances)) {
-    sensing_.emplace(disturbances, model_, world_, period_);
+    sensing_.emplace(disturbances, *spec.robot->model, world_, period_);
     for (ObjectShape& phantom : sensing_->phantoms(world_)) told_.push_back(std::move(phantom));
     if (disturbances.detection.seen_by == SeenBy::kDepth) told_.clear();
   }
+  if (hand_ && told_.empty())
+    throw std::runtime_error("the world's goals take objects, which a controller has to be told (detection.seen_by)");
   if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
   r_.control_period = period_;
   r_.success = spec.success;
@@ -115,6 +129,61 @@ void TrialLoop::look_at_next() {
     next_.reset();
 }
 
+/// Takes or leaves an object if the goal that was reached asks for it.
+void TrialLoop::take_or_leave(const WorldGoal& goal) {
+  if (!goal.take.empty()) {
+    const int object = find_object(world_, goal.take);
+    ObjectState& state = objects_[static_cast<std::size_t>(object)];
+    carried_ = Carried{object, kinematics_.X_WE().inverse() * state.X_WO, support_of(object)};
+    state.visible = false;
+  } else if (!goal.leave.empty() && carried_) {
+    ObjectState& state = objects_[static_cast<std::size_t>(carried_->object)];
+    state.visible = true;
+    left_.emplace_back(carried_->object, state.X_WO);
+    carried_.reset();
+  } else {
+    return;
+  }
+  carry(*hand_, carried_, carried_ ? &world_.objects[static_cast<std::size_t>(carried_->object)].shape : nullptr);
+  plant_.carry(carried_);
+}
+
+/// Returns the solid on which an object stands (Carried::support).
+int TrialLoop::support_of(int object) const {
+  const auto at = static_cast<std::size_t>(object);
+  const Shape& shape = world_.objects[at].shape;
+  int support = kNoSupport;
+  double least = std::min(kStands, lowest_point(shape, objects_[at].X_WO));
+  if (least < kStands) support = kFloorSupport;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (i == at) continue;
+    const double d = shape_distance(shape, objects_[at].X_WO, world_.objects[i].shape, objects_[i].X_WO).d;
+    if (d >= least) continue;
+    least = d;
+    support = static_cast<int>(i);
+  }
+  return support;
+}
+
+/// Moves the carried object with the hand, and the left ones to where they stand.
+void TrialLoop::move_carried() {
+  for (const auto& [object, X_WO] : left_) objects_[static_cast<std::size_t>(object)].X_WO = X_WO;
+  if (!carried_) return;
+  const auto at = static_cast<std::size_t>(carried_->object);
+  const Shape& shape = world_.objects[at].shape;
+  Isometry& X_WO = objects_[at].X_WO;
+  X_WO = kinematics_.X_WE() * carried_->X_EO;
+  if (carried_->support == kNoSupport) return;
+  const auto k = static_cast<std::size_t>(carried_->support);
+  const double d = carried_->support == kFloorSupport
+                       ? lowest_point(shape, X_WO)
+                       : shape_distance(shape, X_WO, world_.objects[k].shape, objects_[k].X_WO).d;
+  if (d <= kLifted) return;
+  carried_->support = kNoSupport;
+  carry(*hand_, carried_, &shape);
+  plant_.carry(carried_);
+}
+
 /// Notes the present goal of several, and goes on to the next one.
 void TrialLoop::goal_reached() {
   if (world_.further.empty()) return;
@@ -125,13 +194,14 @@ void TrialLoop::goal_reached() {
   row.goals += fmt::format(R"({}{{"time_s":{},"clearance_m":{}}}])", row.goals.size() > 1 ? "," : "",
                            time(dwell_.first()), std::isnan(clearance) ? "null" : fmt::format("{}", clearance));
   if (is_last_goal()) return;
+  if (hand_) take_or_leave(goal_of(world_, goal_index_));
   ++goal_index_;
   clearance_ = {};
   take_goal();
 }
 
 void TrialLoop::truth(Observation& out) const {
-  observe(plant_.state(), objects_, goal_, next_, world_.upright, time(k_), out);
+  observe(plant_.state(), objects_, goal_, next_, world_.upright, carried_, time(k_), out);
 }
 
 bool TrialLoop::sense() {
@@ -253,6 +323,7 @@ bool TrialLoop::measure_state() {
   if (goal_moves_ && k_ > 0) goal_ = goal_state(world_, time(k_), goal_index_);
   if (next_ && k_ > 0) look_at_next();
   kinematics_.update(state.base, state.q);
+  if (hand_) move_carried();
   const Isometry& X_WE = kinematics_.X_WE();
   const Isometry X_WG = nearest_pose(goal_.X_WG, goal_.free, X_WE);
   error_ = pose_error(X_WE, X_WG);
@@ -365,7 +436,10 @@ void TrialLoop::note_latencies() {
 }
 
 std::string TrialLoop::link_of(int shape) const {
-  return model_.links[static_cast<std::size_t>(model_.shapes[static_cast<std::size_t>(shape)].link)].name;
+  const CollisionShape& of = model_.shape(shape);
+  return model_.carried && &of == &model_.shapes.back()
+             ? "carried:" + world_.objects[static_cast<std::size_t>(model_.carried->object)].name
+             : model_.link(of.link).name;
 }
 
 /// The contacts are sorted by time; the first one names the pair.

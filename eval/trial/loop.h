@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "controller/model/kinematics.h"
@@ -76,6 +78,9 @@ class TrialLoop {
   void take_goal();
   void look_at_next();
   void goal_reached();
+  void take_or_leave(const WorldGoal& goal);
+  void move_carried();
+  int support_of(int object) const;
   std::string joint_over_limit() const;
   std::string situation();
   void note_latencies();
@@ -84,6 +89,7 @@ class TrialLoop {
 
   const TrialSpec& spec_;
   const World& world_;
+  std::shared_ptr<RobotModel> hand_;  // the robot with a spare shape, if the world's goals take objects
   const RobotModel& model_;
   Plant& plant_;
   Recording& r_;
@@ -103,6 +109,8 @@ class TrialLoop {
   Observation observation_;
   StepResult result_;
   std::vector<ObjectState> objects_;
+  std::optional<Carried> carried_;
+  std::vector<std::pair<int, Isometry>> left_;  // objects that were left elsewhere, with their poses
   GoalState goal_;
   std::optional<GoalState> next_;  // the goal after it
   std::size_t goal_index_ = 0;

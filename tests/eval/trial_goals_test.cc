@@ -1,7 +1,9 @@
 // Worlds of several goals, goals that are passed through, and goals that leave directions free.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -67,6 +69,79 @@ TEST(TrialGoals, WhoPassesAGoalToStopAtHasNotReachedIt) {
   const TrialOutput reached = run_scripted(tiny_spec(), goals_ahead({0.4, 0.8}, true), waits);
   EXPECT_EQ(to_string(reached.row.outcome), "success") << reached.row.reason;
   EXPECT_EQ(reached.row.goals, R"([{"time_s":0.76,"clearance_m":null},{"time_s":1.76,"clearance_m":null}])");
+}
+
+/// The tip takes a cup 0.3 m ahead off a plate, in which it stands 1 mm deep, leaves it 0.5 m on, and drives on.
+World carries_a_cup(double last = 0.95) {
+  World world = goals_ahead({0.3, 0.8, last}, true);
+  world.goal.take = world.further[0].leave = "cup";
+  world.objects = {sphere("cup", {1.2, 0.0, 0.5}, 0.08), sphere("plate", {1.2, 0.0, 0.401}, 0.0)};
+  world.objects[1].shape = {ShapeKind::kBox, {0.1, 0.1, 0.04}, nullptr};
+  return world;
+}
+
+/// Drives the tip to the goal, in a plant that knows of solids.
+TrialOutput drive_to_goals(const World& world, const ScriptedController::Script& look = {}) {
+  TrialParts parts;
+  parts.controller = [&](const TrialSpec& spec) {
+    return std::make_unique<ScriptedController>(
+        spec.robot->model->num_velocities(), [&look](const Observation& o, StepResult& result) {
+          result.command[0] = std::clamp(3.0 * (o.goal.X_WG.translation().x() - 0.9 - o.base.x()), -0.5, 0.5);
+          if (look) look(o, result);
+        });
+  };
+  return run_trial(tiny_spec(), world, parts);
+}
+
+TEST(CarriedObjects, MoveWithTheHandAndStandWhereTheyAreLeft) {
+  int before = 0, held = 0, after = 0, on_plate = 0;
+  const auto look = [&](const Observation& o, StepResult&) {
+    const double x = o.goal.X_WG.translation().x() - 0.9;
+    ASSERT_EQ(o.carried.has_value(), x > 0.7 && x < 0.9) << o.time;
+    EXPECT_EQ(o.objects[0].visible, !o.carried) << "a carried object is known by its pose in E";
+    if (o.carried) {
+      EXPECT_EQ(o.carried->object, 0);
+      EXPECT_NEAR(o.carried->X_EO.translation().norm(), 0.0, 0.02);
+      on_plate += o.carried->support == 1 ? 1 : 0;
+      EXPECT_TRUE(o.carried->support == 1 || o.carried->support == kNoSupport);
+      ++held;
+    } else {
+      EXPECT_NEAR(o.objects[0].X_WO.translation().x(), x > 0.9 ? 1.7 : 1.2, 0.04);
+      ++(x > 0.9 ? after : before);
+    }
+  };
+  const TrialOutput out = drive_to_goals(carries_a_cup(), look);
+  EXPECT_EQ(to_string(out.row.outcome), "success") << out.row.reason;
+  EXPECT_GT(before, 20);
+  EXPECT_GT(after, 5);
+  EXPECT_GT(on_plate, 5);
+  EXPECT_LT(on_plate, held) << "beyond the plate's edge it is clear";
+  const TrialRow row = drive_to_goals(carries_a_cup(1.2)).row;
+  EXPECT_EQ(row.link + " " + row.object, "slide cup") << "the hand drives on into what it left";
+}
+
+TEST(CarriedObjects, TouchWhatIsInTheirWay) {
+  World world = carries_a_cup();
+  world.objects.push_back(sphere("wall", {1.6, 0.0, 0.43}, 0.01));
+  const TrialOutput out = drive_to_goals(world);
+  EXPECT_EQ(to_string(out.row.outcome), "collision");
+  EXPECT_EQ(out.row.link, "carried:cup");
+  EXPECT_EQ(out.row.object, "wall");
+  world.goal.take = world.further[0].leave = "";
+  world.objects.erase(world.objects.begin());
+  EXPECT_EQ(to_string(drive_to_goals(world).row.outcome), "success") << "the hand alone passes";
+  // A second plate at the same height is no support.
+  world = carries_a_cup();
+  world.objects.push_back(world.objects[1]);
+  world.objects.back().name = "other";
+  world.objects.back().X_WO.translation().x() = 1.4;
+  EXPECT_EQ(drive_to_goals(world).row.object, "other");
+}
+
+TEST(CarriedObjects, NeedAPlantThatCarries) {
+  const TrialRow row = run_scripted(tiny_spec(), carries_a_cup(), drive(0.5, 0.6)).row;
+  EXPECT_EQ(to_string(row.outcome), "error");
+  EXPECT_NE(row.reason.find("carries no objects"), std::string::npos) << row.reason;
 }
 
 TEST(TrialGoals, OneGoalHasNoneOfThis) {

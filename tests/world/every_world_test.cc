@@ -84,7 +84,7 @@ std::vector<Case> cases() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, EveryWorld, testing::ValuesIn(cases()),
-                         [](const auto& p) { return p.param.robot + "_" + p.param.name; });
+                         [](const auto& p) { return part_of_name(p.param.robot + "_" + p.param.name); });
 
 class CloseGoals : public testing::TestWithParam<const char*> {};
 

@@ -204,5 +204,57 @@ TEST(KinematicPlant, FindsTheContactsThatLookingAtEverythingFinds) {
   EXPECT_GT(clear, 2000);
 }
 
+// In both plants: what is carried touches a wall that the hand passes, and, left, is touched by the hand that lowers.
+TEST(CarriedObjects, TouchAndAreTouched) {
+  for (const SimulationMode mode : {SimulationMode::kKinematic, SimulationMode::kDynamic}) {
+    const auto model = robot("frankie");
+    World world = empty_world(*model);
+    Kinematics kinematics(model);
+    kinematics.update(world.start.base, world.start.q);
+    const Isometry X_WE = kinematics.X_WE();
+    Carried carried;
+    carried.X_EO.translation().z() = 0.12;
+    const Vector3 at = X_WE * carried.X_EO.translation();
+    world.objects = {solid("cup", ShapeKind::kBox, Vector3::Constant(0.06), at),
+                     solid("wall", ShapeKind::kBox, {0.02, 0.4, 0.03}, at + Vector3(0.14, 0.0, -0.03))};
+    SimulationConfig simulation;
+    simulation.mode = mode;
+    VectorX forward = VectorX::Zero(model->num_velocities());
+    forward[0] = 0.2;
+    PlantReport report;
+    const auto drive = [&](Plant& plant, const VectorX& command, int most) {
+      report = {};
+      for (int k = 0; k < most && report.contacts.empty(); ++k) plant.advance(command, 0.02, report);
+    };
+    const auto hit = make_plant(model, world, simulation);
+    hit->carry(carried);
+    drive(*hit, forward, 60);
+    ASSERT_EQ(report.contacts.size(), 1u) << to_string(mode);
+    EXPECT_EQ(report.contacts[0].first, static_cast<int>(model->shapes.size()));
+    EXPECT_EQ(report.contacts[0].second, 1);
+    EXPECT_NEAR(hit->state().base.x(), 0.1, 0.02);
+    EXPECT_EQ(hit->cross_check().disagreements, 0);
+
+    world.objects.pop_back();
+    const auto left = make_plant(model, world, simulation);
+    left->carry(carried);
+    drive(*left, forward, 25);
+    ASSERT_TRUE(report.contacts.empty());
+    left->carry({});
+    const double x = left->state().base.x();
+    drive(*left, VectorX::Zero(model->num_velocities()), 25);
+    ASSERT_TRUE(report.contacts.empty());
+    Vector6 down = Vector6::Zero();
+    down.tail<3>() = 0.1 * X_WE.linear().col(2);
+    VectorX lower = VectorX::Zero(model->num_velocities());
+    lower.tail(model->num_joints()) =
+        kinematics.J_WE_W().rightCols(model->num_joints()).completeOrthogonalDecomposition().solve(down);
+    drive(*left, lower, 60);
+    ASSERT_FALSE(report.contacts.empty()) << to_string(mode) << ": it stands where it was left, " << x << " m on";
+    EXPECT_EQ(report.contacts[0].second, 0);
+    EXPECT_LT(report.contacts[0].first, static_cast<int>(model->shapes.size()));
+  }
+}
+
 }  // namespace
 }  // namespace moma

@@ -53,6 +53,12 @@ inline double at_witness(const Worlds& source) {
   return source.to_json()["families"].begin().value().value("clearance", source.clearance());
 }
 
+/// A name of a robot or family as part of a test's name.
+inline std::string part_of_name(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
 /// Families that are made for robots that drive.
 inline std::vector<std::string> families_for_driving() {
   std::vector<std::string> names;

@@ -309,6 +309,62 @@ TEST(Worlds, UprightToolsStandAtStartAndGoal) {
   EXPECT_FALSE(to_json(worlds("seed: 4\nfamilies: {clutter: {}}").make(robot("frankie"), 0)).contains("upright"));
 }
 
+// The hand at the object, lifted, and at the place: the object stands on its block, `clearance` from the hand, upright
+// wherever it is held, and `drop` above the other block.
+TEST(Worlds, PickAndPlaceTakesFromABlockAndLeavesOnAnother) {
+  for (const char* name : {"frankie", "panda"}) {
+    const auto model = robot(name);
+    const Worlds source = worlds("seed: 4\nfamilies: {pick-place: {clearance: 0.03, drop: 0.01, lift: 0.1}}");
+    for (std::uint64_t i = 0; i < 8; ++i) {
+      const World a = source.make(model, i);
+      ASSERT_EQ(a.further.size(), 5u);
+      EXPECT_EQ(a.further[0].take, "object");
+      EXPECT_EQ(a.further[3].leave, "object");
+      EXPECT_TRUE(carries(a));
+      const WorldObject &object = a.objects[0], &from = a.objects[1], &to = a.objects[2];
+      const auto at = [&](std::size_t goal) {
+        return Isometry(goal_of(a, goal).X_WG * a.further[0].X_WG.inverse() * object.X_WO);
+      };
+      EXPECT_NEAR(shape_distance(object.shape, at(1), from.shape, from.X_WO).d, 0.0, 1e-6);
+      EXPECT_NEAR(shape_distance(object.shape, at(2), from.shape, from.X_WO).d, 0.1, 1e-4);
+      EXPECT_NEAR(shape_distance(object.shape, at(4), to.shape, to.X_WO).d, 0.01, 1e-3);
+      for (std::size_t goal = 1; goal < 6; ++goal)
+        EXPECT_GT((at(goal).linear() * object.X_WO.linear().transpose())(2, 2), std::cos(2e-3)) << goal;
+      EXPECT_NEAR((a.goal.X_WG.translation() - a.further[0].X_WG.translation()).norm(), 0.1, 1e-5);
+      const nlohmann::ordered_json json = to_json(a);
+      const World b = world_from_json(json, "test");
+      EXPECT_EQ(to_json(b), json);
+      EXPECT_EQ(b.further[0].take, "object");
+    }
+  }
+}
+
+TEST(Worlds, TakeAndLeaveWhatIsThere) {
+  nlohmann::ordered_json json =
+      to_json(worlds("seed: 4\nfamilies: {pick-place: {objects: 0}}").make(robot("frankie"), 0));
+  const auto error = [&](std::size_t goal, const char* key, const char* name) {
+    nlohmann::ordered_json changed = json;
+    changed["goals"][goal][key] = name;
+    try {
+      world_from_json(changed, "test");
+    } catch (const std::exception& e) {
+      return std::string(e.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_NE(error(1, "take", "cup").find("goals[1].take: no object has the name 'cup'"), std::string::npos)
+      << error(1, "take", "cup");
+  EXPECT_NE(error(2, "take", "from").find("already carries 'object'"), std::string::npos);
+  EXPECT_NE(error(4, "leave", "to").find("goals[4].leave: 'to' is not what the hand carries (object)"),
+            std::string::npos);
+  EXPECT_NE(error(5, "leave", "object").find("(nothing)"), std::string::npos);
+  json["goals"][1]["stop"] = false;
+  EXPECT_NE(error(0, "leave", "").find("expected stop: true"), std::string::npos) << error(0, "leave", "");
+  json["goals"][1]["stop"] = true;
+  json["objects"][0]["motion"] = {{"kind", "linear"}, {"velocity", {0, 0, 0, 0.1, 0, 0}}};
+  EXPECT_NE(error(0, "leave", "").find("'object' moves"), std::string::npos) << error(0, "leave", "");
+}
+
 TEST(Worlds, ResolvedSectionReadsBack) {
   const Worlds a = worlds(
       "seed: 8\nclearance: 0.04\nfamilies: {clutter: {weight: 2, objects: 3, box_edge: {normal: [0.3, 0.1]}}, open: "

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "controller/model/floor_reach.h"
@@ -90,7 +91,8 @@ ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World&
     const WorldObject& object = world_.objects[i];
     tags_.push_back({PairKind::kObject, static_cast<int>(i)});
     if (!at_rest(object.motion, 0.0)) moving_.push_back(static_cast<int>(i));
-    const dGeomID geom = make_geom(world_space_.get(), object.shape);
+    const bool carried = model_->carried && model_->carried->object == static_cast<int>(i);
+    const dGeomID geom = carried ? nullptr : make_geom(world_space_.get(), object.shape);
     object_geoms_.push_back(geom);
     if (geom == nullptr) continue;
     dGeomSetData(geom, &tags_.back());
@@ -138,10 +140,17 @@ void ContactScene::place_objects(double t) {
   }
 }
 
-void ContactScene::collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, const TouchSink& sink) {
+void ContactScene::collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, const TouchSink& sink) const {
   dContactGeom points[kPointsPerPair];
   const int count = dCollide(a, b, kPointsPerPair, points, sizeof(dContactGeom));
+  if (rests(kind, first, second) &&
+      std::all_of(points, points + count, [](const dContactGeom& point) { return point.depth < kPressed; }))
+    return;
   if (count > 0) sink({kind, first, second, points, count});
+}
+
+bool ContactScene::rests(PairKind kind, int first, int second) const {
+  return kind != PairKind::kSelf && model_->stands_on(first, kind == PairKind::kFloor ? kFloorSupport : second);
 }
 
 void ContactScene::near(void* data, dGeomID a, dGeomID b) {
@@ -151,11 +160,12 @@ void ContactScene::near(void* data, dGeomID a, dGeomID b) {
     std::swap(first, second);
     std::swap(a, b);
   }
-  collide(second->kind, first->index, second->index, a, b, **static_cast<const TouchSink**>(data));
+  const auto& [scene, sink] = *static_cast<const std::pair<const ContactScene*, const TouchSink*>*>(data);
+  scene->collide(second->kind, first->index, second->index, a, b, *sink);
 }
 
 void ContactScene::detect(const TouchSink& sink) {
-  const TouchSink* to = &sink;
+  std::pair<const ContactScene*, const TouchSink*> to{this, &sink};
   dSpaceCollide2(reinterpret_cast<dGeomID>(robot_space_.get()), reinterpret_cast<dGeomID>(world_space_.get()), &to,
                  near);
   for (const SelfPair& pair : self_pairs_) {
@@ -183,7 +193,8 @@ void ContactScene::detect_exact(const Kinematics& kinematics, double time, Conta
   if (!exact_) return;
   exact_found_.clear();
   exact_->detect(kinematics, states_, time, exact_found_);
-  for (const Contact& contact : exact_found_) log.add(contact);
+  for (const Contact& contact : exact_found_)
+    if (!rests(contact.kind, contact.first, contact.second) || !(contact.depth < kPressed)) log.add(contact);
 }
 
 // Needs no hulls: ODE decides spheres, boxes and capsules.
@@ -221,11 +232,12 @@ DetectorCheck CrossCheck::compare(ContactScene& scene) {
     if (robot == nullptr) continue;
     const Solid& shape = shapes_[static_cast<std::size_t>(i)];
     for (int k = 0; k < static_cast<int>(objects_.size()); ++k) {
-      if (const dGeomID object = scene.object_geom(k))
+      const dGeomID object = scene.object_geom(k);
+      if (object != nullptr && !scene.rests(PairKind::kObject, i, k))
         compare_pair(shape, robot, objects_[static_cast<std::size_t>(k)], object, touched(PairKind::kObject, i, k),
                      check);
     }
-    if (scene.meets_floor(i))
+    if (scene.meets_floor(i) && !scene.rests(PairKind::kFloor, i, -1))
       judge(touched(PairKind::kFloor, i, -1), lowest_point(shape.shape, ode::pose(robot)), check);
   }
   for (const SelfPair& pair : scene.self_pairs())

@@ -83,9 +83,14 @@ class ContactScene {
   /// Moves the objects to their poses at time t.
   void place_objects(double t);
 
+  /// A carried object may touch what it stood on until it is lifted clear, no deeper than this [m].
+  static constexpr double kPressed = 0.01;
+
   /// Reports every touching pair that ODE decides to `sink`, in a fixed order.
   void detect(const TouchSink& sink);
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
+  /// True for a carried object and its support.
+  bool rests(PairKind kind, int first, int second) const;
   bool meets_floor(int shape) const;
   /// True for each shape that may touch the floor, including shapes that ODE does not decide.
   const std::vector<bool>& meets_floor() const { return meets_floor_; }
@@ -101,7 +106,7 @@ class ContactScene {
     int index;
   };
   static void near(void* data, dGeomID a, dGeomID b);
-  static void collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, const TouchSink& sink);
+  void collide(PairKind kind, int first, int second, dGeomID a, dGeomID b, const TouchSink& sink) const;
 
   std::shared_ptr<const RobotModel> model_;
   World world_;

@@ -45,7 +45,8 @@ GapWatch::GapWatch(const RobotModel& model, const World& world, const std::vecto
   for (std::size_t i = 0; i < n; ++i) {
     const int shape = static_cast<int>(i);
     for (std::size_t k = 0; k < objects_.size(); ++k)
-      pairs_.push_back({PairKind::kObject, shape, static_cast<int>(k), i, 3 * n + k, 0.0});
+      if (!model.carried || model.carried->object != static_cast<int>(k))
+        pairs_.push_back({PairKind::kObject, shape, static_cast<int>(k), i, 3 * n + k, 0.0});
     if (meets_floor[i]) pairs_.push_back({PairKind::kFloor, shape, -1, n + i, way_.size() - 1, 0.0});
   }
   for (const SelfPair& pair : model.self_pairs) {

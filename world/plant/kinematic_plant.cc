@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "world/plant/contacts.h"
 #include "world/plant/gap_watch.h"
@@ -14,31 +15,28 @@ constexpr double kContactInterval = 0.005;  // [s]
 class KinematicPlant final : public Plant {
  public:
   KinematicPlant(std::shared_ptr<const RobotModel> model, const World& world, bool stops, ContactChecks checks)
-      : model_(std::move(model)),
-        kinematics_(model_),
-        scene_(model_, world, false),
-        watch_(*model_, world, scene_.meets_floor()),
-        stops_(stops),
-        checks_(checks) {
+      : model_(std::move(model)), empty_(model_), world_(world), kinematics_(model_), stops_(stops), checks_(checks) {
     state_.base = world.start.base;
     state_.q = world.start.q;
     state_.qdot = VectorX::Zero(model_->num_velocities());
     q_ = state_.q;
-    solids_.X_WS.resize(model_->shapes.size());
-    for (const CollisionShape& shape : model_->shapes)
-      reach_ = std::max(reach_, shape.X_LS.translation().norm() + bounding_radius(shape.shape));
-    for (const Link& link : model_->links) reach_ += link.X_PJ.translation().norm();
-    for (const ControlledJoint& joint : model_->joints)
-      if (joint.type == JointType::kPrismatic) reach_ += std::max(std::abs(joint.lower), std::abs(joint.upper));
+    build();
   }
 
   const PlantState& state() const override { return state_; }
+
+  void carry(const std::optional<Carried>& carried) override {
+    kinematics_.update(state_.base, state_.q);
+    model_ = with_carried(empty_, *model_, kinematics_.X_WE(), carried, world_);
+    build();
+  }
+
   double time() const override { return time_; }
 
   DetectorCheck cross_check() override {
     place(state_.base, state_.q, time_);
-    scene_.place_robot(kinematics_);
-    return scene_.cross_check();
+    scene_->place_robot(kinematics_);
+    return scene_->cross_check();
   }
 
   void check_start(PlantReport& report) override {
@@ -75,6 +73,19 @@ class KinematicPlant final : public Plant {
   }
 
  private:
+  void build() {
+    scene_.emplace(model_, world_, false);
+    watch_.emplace(*model_, world_, scene_->meets_floor());
+    solids_.X_WS.resize(model_->shapes.size());
+    watching_ = false;
+    reach_ = 0.0;
+    for (const CollisionShape& shape : model_->shapes)
+      reach_ = std::max(reach_, shape.X_LS.translation().norm() + bounding_radius(shape.shape));
+    for (const Link& link : model_->links) reach_ += link.X_PJ.translation().norm();
+    for (const ControlledJoint& joint : model_->joints)
+      if (joint.type == JointType::kPrismatic) reach_ += std::max(std::abs(joint.lower), std::abs(joint.upper));
+  }
+
   /// Integrates from the start of the command each time, so that the end does not depend on the number of checks. False
   /// if a joint comes to its stop.
   bool move(const VectorX& command, double dt, Vector3& base) {
@@ -96,7 +107,7 @@ class KinematicPlant final : public Plant {
   /// has an acceleration of at most omega (omega reach + 2 v), with the sums omega and v of all angular and linear
   /// speeds, and deviates from a straight line by at most an eighth of that times the duration squared.
   bool moves_clear(const VectorX& command, double duration, Vector3& base) {
-    if (checks_ != ContactChecks::kWhereSomethingMayTouch || scene_.objects_move()) return false;
+    if (checks_ != ContactChecks::kWhereSomethingMayTouch || scene_->objects_move()) return false;
     if (!move(command, duration, base) || !base.allFinite() || !q_.allFinite()) return false;
     const int first = model_->base_dof();
     double omega = first > 0 ? std::abs(command[first - 1]) : 0.0, v = first > 0 ? command.head(first - 1).norm() : 0.0;
@@ -104,45 +115,46 @@ class KinematicPlant final : public Plant {
       (model_->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? v : omega) +=
           std::abs(command[first + i]);
     place(base, q_, time_ + duration);
-    return watch_.moves_clear(solids_, scene_.object_states(),
-                              0.125 * omega * (omega * reach_ + 2.0 * v) * duration * duration);
+    return watch_->moves_clear(solids_, scene_->object_states(),
+                               0.125 * omega * (omega * reach_ + 2.0 * v) * duration * duration);
   }
 
   void place(const Vector3& base, const VectorX& q, double time) {
     kinematics_.place(base, q);
-    scene_.place_objects(time);
+    scene_->place_objects(time);
     solids_.X_WB = kinematics_.X_WB();
     for (std::size_t i = 0; i < solids_.X_WS.size(); ++i) solids_.X_WS[i] = kinematics_.X_WS(model_->shapes[i]);
   }
 
   void begin() {
     place(state_.base, state_.q, time_);
-    watch_.start(solids_, scene_.object_states());
+    watch_->start(solids_, scene_->object_states());
     watching_ = true;
   }
 
   /// Checks (base, q_) for contact unless nothing can have come into contact since the check before.
   void look(const Vector3& base, double time, PlantReport& report) {
     place(base, q_, time);
-    if (checks_ == ContactChecks::kWhereSomethingMayTouch && watch_.moves_clear(solids_, scene_.object_states()))
+    if (checks_ == ContactChecks::kWhereSomethingMayTouch && watch_->moves_clear(solids_, scene_->object_states()))
       return;
     detect(time, report);
-    watch_.start(solids_, scene_.object_states());
+    watch_->start(solids_, scene_->object_states());
   }
 
   /// Reports the contacts of the present places.
   void detect(double time, PlantReport& report) {
     ContactLog log(report.contacts);
-    scene_.place_robot(kinematics_);
-    scene_.detect([&](const Touch& touch) { log.add(touch, time); });
-    scene_.detect_exact(kinematics_, time, log);
+    scene_->place_robot(kinematics_);
+    scene_->detect([&](const Touch& touch) { log.add(touch, time); });
+    scene_->detect_exact(kinematics_, time, log);
     log.sort();
   }
 
-  std::shared_ptr<const RobotModel> model_;
+  std::shared_ptr<const RobotModel> model_, empty_;  // with and without what it carries
+  World world_;
   Kinematics kinematics_;
-  ContactScene scene_;
-  GapWatch watch_;
+  std::optional<ContactScene> scene_;
+  std::optional<GapWatch> watch_;
   SolidPoses solids_;
   bool stops_;
   double reach_ = 0.0;  // bound on the distance of two points of the robot [m]

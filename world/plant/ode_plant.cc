@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <tuple>
 
 #include "controller/model/base_kind.h"
@@ -30,21 +31,21 @@ class OdePlant final : public Plant {
   OdePlant(std::shared_ptr<const RobotModel> model, const World& world, const SimulationConfig& simulation,
            const PlantConditions& conditions, MotorBounds bounds)
       : model_(std::move(model)),
+        empty_(model_),
         step_(simulation.physics_step),
         bounds_(bounds),
-        scene_(model_, world, true),
+        placed_(world),
         kinematics_(model_),
         contacts_(dJointGroupCreate(0)),
         arm_(world_.id(), model_, world.start.base, world.start.q, drop(*model_), mass_without_wheels(*model_),
              conditions),
-        base_(OdeBase::make(world_.id(), *model_, arm_, world.start.base, conditions.floor_friction)),
-        watch_(*model_, world, scene_.meets_floor()) {
+        base_(OdeBase::make(world_.id(), *model_, arm_, world.start.base, conditions.floor_friction)) {
     const dWorldID id = world_.id();
     dWorldSetGravity(id, 0.0, 0.0, -kGravity);
     dWorldSetCFM(id, 1e-9);
     dWorldSetContactMaxCorrectingVel(id, 0.1);
     dWorldSetContactSurfaceLayer(id, kContactLayer);
-    attach_shapes(world);
+    build();
     state_.base = world.start.base;
     state_.q = world.start.q;
     state_.qdot = VectorX::Zero(model_->num_velocities());
@@ -52,6 +53,18 @@ class OdePlant final : public Plant {
     for (int i = 0; i < arm_.num_bodies(); ++i) bodies_.add(arm_.body(i));
     if (base_) base_->list_bodies(bodies_);
     place_objects(0.0);
+  }
+
+  void carry(const std::optional<Carried>& carried) override {
+    ode::use_on_this_thread();
+    kinematics_.update(state_.base, state_.q);
+    model_ = with_carried(empty_, *model_, kinematics_.X_WE(), carried, placed_);
+    dJointGroupEmpty(contacts_.get());
+    build();
+    place_objects(time_);
+    solids_.X_WS.clear();
+    in_body_.clear();
+    detected_ = watching_ = touching_ = false;
   }
 
   ~OdePlant() override {
@@ -62,7 +75,7 @@ class OdePlant final : public Plant {
 
   const PlantState& state() const override { return state_; }
   double time() const override { return time_; }
-  DetectorCheck cross_check() override { return scene_.cross_check(); }
+  DetectorCheck cross_check() override { return scene_->cross_check(); }
 
   void check_start(PlantReport& report) override {
     report.clear();
@@ -97,21 +110,26 @@ class OdePlant final : public Plant {
     return std::max(0.0, model.base.mass - OdeBase::own_mass(model));
   }
 
-  void attach_shapes(const World& world) {
+  void build() {
+    scene_.emplace(model_, placed_, true);
+    watch_.emplace(*model_, placed_, scene_->meets_floor());
+    for (const dBodyID body : object_bodies_)
+      if (body != nullptr) dBodyDestroy(body);
+    const World& world = placed_;
     kinematics_.update(world.start.base, world.start.q);
-    scene_.place_robot(kinematics_);  // for shapes of a fixed base, which have no body
+    scene_->place_robot(kinematics_);  // for shapes of a fixed base, which have no body
     for (int i = 0; i < static_cast<int>(model_->shapes.size()); ++i) {
       const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(i)];
-      const dGeomID geom = scene_.robot_geom(i);
+      const dGeomID geom = scene_->robot_geom(i);
       const dBodyID body = arm_.body_of_link(shape.link);
       if (geom == nullptr || body == nullptr) continue;
       dGeomSetBody(geom, body);
-      ode::set_offset(geom, arm_.in_body(shape.link, shape.X_LS * scene_.robot_tilt(i)));
+      ode::set_offset(geom, arm_.in_body(shape.link, shape.X_LS * scene_->robot_tilt(i)));
     }
     // Moving objects are kinematic bodies, so that contacts use their velocity.
     object_bodies_.assign(world.objects.size(), nullptr);
     for (std::size_t i = 0; i < world.objects.size(); ++i) {
-      const dGeomID geom = scene_.object_geom(static_cast<int>(i));
+      const dGeomID geom = scene_->object_geom(static_cast<int>(i));
       if (geom == nullptr || at_rest(world.objects[i].motion, 0.0)) continue;
       object_bodies_[i] = dBodyCreate(world_.id());
       dBodySetKinematic(object_bodies_[i]);
@@ -124,10 +142,10 @@ class OdePlant final : public Plant {
 
   /// Sets poses and velocities of objects at a time of their motion.
   void place_objects(double time) {
-    scene_.place_objects(time);
+    scene_->place_objects(time);
     for (std::size_t i = 0; i < object_bodies_.size(); ++i) {
       if (object_bodies_[i] == nullptr) continue;
-      const Vector6& V = scene_.object_states()[i].V_WO_W;
+      const Vector6& V = scene_->object_states()[i].V_WO_W;
       dBodySetAngularVel(object_bodies_[i], V[0], V[1], V[2]);
       dBodySetLinearVel(object_bodies_[i], V[3], V[4], V[5]);
     }
@@ -176,10 +194,10 @@ class OdePlant final : public Plant {
       place_objects(end);
       enter(clock_, PlantPart::kCollide);
       find_solids();
-      if (watch_.moves_clear(solids_, scene_.object_states())) return true;
+      if (watch_->moves_clear(solids_, scene_->object_states())) return true;
       if (parts == 1) {
         detect(end, report);
-        watch_.start(solids_, scene_.object_states());
+        watch_->start(solids_, scene_->object_states());
         return true;
       }
       enter(clock_, PlantPart::kRest);
@@ -195,7 +213,7 @@ class OdePlant final : public Plant {
     }
     enter(clock_, PlantPart::kCollide);
     find_solids();
-    watch_.start(solids_, scene_.object_states());
+    watch_->start(solids_, scene_->object_states());
     return true;
   }
 
@@ -314,7 +332,7 @@ class OdePlant final : public Plant {
     PlantReport ignored;
     if (!detected_) detect(time_, ignored);
     find_solids();
-    watch_.start(solids_, scene_.object_states());
+    watch_->start(solids_, scene_->object_states());
     watching_ = true;
   }
 
@@ -339,14 +357,14 @@ class OdePlant final : public Plant {
     ContactLog log(report.contacts);
     dJointGroupEmpty(contacts_.get());
     touching_ = false;
-    scene_.detect([&](const Touch& touch) {
+    scene_->detect([&](const Touch& touch) {
       touching_ = true;
       log.add(touch, time);
       join(touch);
     });
-    if (scene_.has_exact()) {
+    if (scene_->has_exact()) {
       kinematics_.update(state_.base, state_.q);
-      scene_.detect_exact(kinematics_, time, log);
+      scene_->detect_exact(kinematics_, time, log);
     }
     log.sort();
     detected_ = true;
@@ -367,18 +385,19 @@ class OdePlant final : public Plant {
   }
 
   // Destroyed last to first: joints and geoms before the world, whose bodies they point to.
-  std::shared_ptr<const RobotModel> model_;
+  std::shared_ptr<const RobotModel> model_, empty_;  // with and without what it carries
   double step_;
   MotorBounds bounds_;
   ode::World world_;
-  ContactScene scene_;
+  World placed_;
+  std::optional<ContactScene> scene_;
   Kinematics kinematics_;
   ode::JointGroup contacts_;
   OdeArm arm_;
   std::unique_ptr<OdeBase> base_;
   std::vector<dBodyID> object_bodies_;
   ode::BodyStates bodies_;
-  GapWatch watch_;
+  std::optional<GapWatch> watch_;
   SolidPoses solids_;
   std::vector<Isometry> in_body_;  // pose of each shape in its body's frame
 

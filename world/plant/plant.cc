@@ -20,6 +20,22 @@ void check_command(const RobotModel& model, const VectorX& command, double durat
                                   "' is not a finite number");
 }
 
+void Plant::carry(const std::optional<Carried>&) {
+  throw std::runtime_error("this plant carries no objects, which the world's goals ask for (take)");
+}
+
+std::shared_ptr<const RobotModel> with_carried(const std::shared_ptr<const RobotModel>& empty, const RobotModel& now,
+                                               const Isometry& X_WE, const std::optional<Carried>& carried,
+                                               World& world) {
+  if (now.carried && !carried)
+    world.objects[static_cast<std::size_t>(now.carried->object)].X_WO = X_WE * now.carried->X_EO;
+  if (!carried) return empty;
+  auto model = std::make_shared<RobotModel>(*empty);
+  add_spare_shape(*model);
+  carry(*model, carried, &world.objects[static_cast<std::size_t>(carried->object)].shape);
+  return model;
+}
+
 std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
                                   const SimulationConfig& simulation, const PlantConditions& conditions) {
   if (world.start.q.size() != model->num_joints())

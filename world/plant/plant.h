@@ -128,6 +128,9 @@ class Plant {
   virtual void check_start(PlantReport& report) = 0;
   /// Holds `command` (num_velocities(), finite) for `duration` seconds. Overwrites `report`.
   virtual void advance(const VectorX& command, double duration, PlantReport& report) = 0;
+  /// Takes an object of the world into the hand, as given, or notes that it has left its support; without a value,
+  /// leaves it where it is. It weighs nothing. Throws std::runtime_error if the plant carries no objects.
+  virtual void carry(const std::optional<Carried>& carried);
   /// Compares the two contact detectors in the present state, without changing it.
   virtual DetectorCheck cross_check() { return {}; }
   /// Notifies `clock`, which must outlive the plant, at the parts of advance(); null by default.
@@ -142,6 +145,12 @@ class Plant {
 /// for dynamics (inertia, effort, wheels). The kinematic plant ignores `conditions`.
 std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
                                   const SimulationConfig& simulation, const PlantConditions& conditions = {});
+
+/// Returns the robot `empty` with the object in its hand as a last shape; without one, `empty`. What `now`, with E at
+/// X_WE, carries and the result does not, stands there in the world from then on.
+std::shared_ptr<const RobotModel> with_carried(const std::shared_ptr<const RobotModel>& empty, const RobotModel& now,
+                                               const Isometry& X_WE, const std::optional<Carried>& carried,
+                                               World& world);
 
 /// Throws std::invalid_argument naming the coordinate where the command has a wrong size or is not finite: such a
 /// number must never reach the physics.

@@ -131,7 +131,38 @@ void SceneBuilder::draw_arm(const Placement& placement, Draws& from, VectorX& q)
   }
 }
 
-bool SceneBuilder::place_further(const Placement& placement, World& world) {
+std::pair<VectorX, VectorX> SceneBuilder::arm_range(const Placement& placement) const {
+  VectorX low(model_->num_joints()), high(model_->num_joints());
+  for (int i = 0; i < model_->num_joints(); ++i) {
+    const JointRange range = kept_range(placement, model_->joint(i));
+    low[i] = range.lower;
+    high[i] = range.upper;
+  }
+  return {low, high};
+}
+
+bool SceneBuilder::move_arm(const Placement& placement, const Kinematics& from, const Isometry& X_WG) {
+  constexpr int kMost = 100;
+  constexpr double kThere = 1e-6, kDamping = 1e-4;  // [m, rad]
+  const auto [low, high] = arm_range(placement);
+  const Vector3 base = from.base();
+  VectorX q = from.q();
+  Kinematics at(model_);
+  for (int i = 0; i < kMost; ++i) {
+    at.update(base, q);
+    const Vector6 error = pose_error(at.X_WE(), X_WG);
+    if (error.norm() < kThere) {
+      further_.push_back(std::move(at));
+      return check_pose(further_.back(), placement.floor_clearance, placement.self_clearance, "beside a goal");
+    }
+    const Matrix6X J = at.J_WE_W().rightCols(q.size());
+    const Eigen::Matrix<double, 6, 6> square = J * J.transpose() + kDamping * Eigen::Matrix<double, 6, 6>::Identity();
+    q = (q + J.transpose() * square.ldlt().solve(error)).cwiseMax(low).cwiseMin(high);
+  }
+  return reject("beside a goal: out of the arm's reach");
+}
+
+bool SceneBuilder::place_further(const Placement& placement, World& world, const Upright* upright) {
   constexpr std::uint64_t kTries = 50;
   const std::uint64_t number = further_.size() + 1;
   const Isometry X_WB = number == 1 ? witness_.X_WB() : further_.back().X_WB();
@@ -147,6 +178,10 @@ bool SceneBuilder::place_further(const Placement& placement, World& world) {
       witness.base << X_WB.translation().x() + distance * std::cos(direction),
           X_WB.translation().y() + distance * std::sin(direction), heading;
     at.update(witness.base, witness.q);
+    if (upright != nullptr) {
+      const auto [low, high] = arm_range(placement);
+      if (bring_upright(*upright, 0.0, low, high, at, witness.q) < 0) continue;
+    }
     const Isometry& X_WE = at.X_WE();
     if (X_WE.translation().z() < placement.tip_height ||
         !check_pose(at, placement.floor_clearance, placement.self_clearance, "further goal"))
@@ -176,12 +211,7 @@ bool SceneBuilder::place_upright(const Placement& placement, double angle, const
   place_start(world);
   world.upright = Upright{start_.X_WE().linear().row(2).transpose(), angle};
   const double most = angle * at_goal.sample(draws);
-  VectorX low(model_->num_joints()), high(model_->num_joints());
-  for (int i = 0; i < model_->num_joints(); ++i) {
-    const JointRange range = kept_range(placement, model_->joints[static_cast<std::size_t>(i)]);
-    low[i] = range.lower;
-    high[i] = range.upper;
-  }
+  const auto [low, high] = arm_range(placement);
   if (bring_upright(*world.upright, most, low, high, witness_, world.witness.q) < 0)
     return reject("goal: no upright tool (angle, at_goal)");
   return check_start() && place_goal(placement, world);
@@ -295,7 +325,10 @@ bool SceneBuilder::stands_near(const WorldObject& object, double at_witness) {
   one_[0].X_WO = object.X_WO;
   const double range = std::max(room_.clearance, at_witness) + 1e-3;
   return nearest(proximity_.query(start_, one_, only_objects(range)), range) > room_.clearance &&
-         nearest(proximity_.query(witness_, one_, only_objects(range)), range) >= at_witness;
+         nearest(proximity_.query(witness_, one_, only_objects(range)), range) >= at_witness &&
+         std::all_of(further_.begin(), further_.end(), [&](const Kinematics& at) {
+           return nearest(proximity_.query(at, one_, only_objects(range)), range) >= at_witness;
+         });
 }
 
 std::vector<Vector3> SceneBuilder::footprints() const {

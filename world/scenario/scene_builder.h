@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "controller/model/floor_reach.h"
@@ -87,7 +88,14 @@ class SceneBuilder {
   bool place_robot(const Placement& placement, World& world);
   /// Draws a further goal after the last one, from a witness of its own, which objects keep off as well: `distance`,
   /// `direction` and `heading` are those from the last witness's base.
-  bool place_further(const Placement& placement, World& world);
+  /// With `upright` the axis is vertical there, to within 1 mrad.
+  bool place_further(const Placement& placement, World& world, const Upright* upright = nullptr);
+  /// Moves the arm of `from` until E is at X_WG, within the joint ranges of place_robot(). Objects keep off the result
+  /// as well, which further() returns. Rejects the try if the arm cannot, or touches the floor or itself.
+  bool move_arm(const Placement& placement, const Kinematics& from, const Isometry& X_WG);
+  /// The witness of the last further goal.
+  const Kinematics& further() const { return further_.back(); }
+  const Kinematics& witness() const { return witness_; }
   /// Does as place_robot() with a drawn arm at the start as well: each joint of start and witness is uniform in the
   /// middle `range` [0, 1] of its limits. Ignores `placement.limit_margin`; both configurations keep off floor and
   /// self.
@@ -120,7 +128,7 @@ class SceneBuilder {
   /// Moves an object at rest along a unit vector, `furthest` at most, until its distance to the witness is `clearance`,
   /// to within 0.1 mm above. False if it is nearer where it begins, or passes the robot.
   bool bring_near(WorldObject& object, const Vector3& direction_W, double furthest, double clearance);
-  /// The same as stands_clear() for the start; the object keeps `at_witness` from the witness.
+  /// The same as stands_clear() for the start; the object keeps `at_witness` from the witnesses.
   bool stands_near(const WorldObject& object, double at_witness);
 
   /// Circles on the floor, (x, y, radius), that contain the projections of start and witness. After place_robot().
@@ -130,6 +138,8 @@ class SceneBuilder {
 
  private:
   Draws place_bases(const Placement& placement, World& world) const;
+  /// Least and greatest values of the witness's joints.
+  std::pair<VectorX, VectorX> arm_range(const Placement& placement) const;
   void draw_arm(const Placement& placement, Draws& from, VectorX& q) const;
   void place_start(const World& world);
   bool check_start();

@@ -91,10 +91,10 @@ int main(int argc, char** argv) {
       if (asked("refuse"))
         say(104, "these parameters\nare not to my taste");
       else
-        say(101, asked("other_version") ? "{\"protocol\":4711}"
+        say(101, asked("other_version") ? "{\"protocol\":5711}"
                  : asked("no_json")     ? "ready"
-                 : asked("own_file")    ? "{\"protocol\":4,\"files\":[\"weights.bin\"]}"
-                                        : "{\"protocol\":4}");
+                 : asked("own_file")    ? "{\"protocol\":5,\"files\":[\"weights.bin\"]}"
+                                        : "{\"protocol\":5}");
     } else if (header[1] == 2) {
       steps = 0;
       while (asked("slow") && access("busy", F_OK) == 0) usleep(1000);

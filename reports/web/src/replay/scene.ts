@@ -18,7 +18,7 @@ import type { Trace } from './trace';
 
 interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson }
 
-interface GoalJson { position: number[]; quaternion: number[]; motion?: MotionJson; stop?: boolean }
+interface GoalJson { position: number[]; quaternion: number[]; motion?: MotionJson; stop?: boolean; take?: string; leave?: string }
 
 export interface WorldJson {
   goal?: GoalJson;
@@ -41,6 +41,45 @@ export interface Moved { robot: Robot; trace: Trace; look: readonly Part[] }
  */
 export interface Shown extends Moved { world: WorldJson; reached: readonly number[]; hit: { link: string; object: string }; rows: readonly (readonly Row[])[]; tolerance: number }
 
+/** An object in the hand from one time to another [s]: its pose in E, and where it is left. */
+interface Grip { from: number; to: number; inHand: Matrix4; left: Placed }
+
+interface Body { mesh: Mesh; name: string; start: Placed; motion: MotionJson | undefined; grips: Grip[] }
+
+const IN_SCALE = new Vector3(1, 1, 1);
+
+function placed(pose: Matrix4): Placed {
+  const place = { position: new Vector3(), turn: quaternion([]) };
+  pose.decompose(place.position, place.turn, new Vector3());
+  return place;
+}
+
+/** Where a body is at time t, with the robot in its pose then. */
+function bodyAt({ motion, start, grips }: Body, robot: Robot, t: number): Placed {
+  const grip = grips.filter(({ from }) => t >= from).at(-1);
+  if (grip === undefined) return placeAt(motion, start, t);
+  return t < grip.to ? placed(robot.tipPose(new Matrix4()).multiply(grip.inHand)) : grip.left;
+}
+
+/** When the hand held the body called `name`. */
+function gripsOf(name: string, start: Placed, { robot, trace, world, reached }: Shown): Grip[] {
+  const grips: Grip[] = [];
+  for (const [i, { take, leave }] of (world.goals ?? []).entries()) {
+    const time = reached[i];
+    if (time === undefined) break;
+    if (take !== name && leave !== name) continue;
+    poseAt(robot, trace, time);
+    const hand = robot.tipPose(new Matrix4()), last = grips.at(-1), place = last?.left ?? start;
+    if (take === name) {
+      grips.push({ from: time, to: Infinity, inHand: hand.invert().multiply(new Matrix4().compose(place.position, place.turn, IN_SCALE)), left: place });
+    } else if (last !== undefined) {
+      last.to = time;
+      last.left = placed(hand.multiply(last.inHand));
+    }
+  }
+  return grips;
+}
+
 /** A surface of a robot in the scene. */
 interface Drawn { mesh: Mesh; link: string; local: Matrix4 }
 
@@ -55,7 +94,7 @@ export class ReplayScene {
   private shown: Shown | null = null;
   private shapesOnly = false;
   private links: Drawn[] = [];
-  private bodies: { mesh: Mesh; name: string; start: Placed; motion: MotionJson | undefined }[] = [];
+  private bodies: Body[] = [];
   private arrows = new Group();
   private plan = new Group();
   /** Line of the base's path or detour at the shown time; empty without one. */
@@ -174,7 +213,8 @@ export class ReplayScene {
       mesh.castShadow = true;
       this.content.add(mesh);
       const [x = 0, y = 0, z = 0] = body.position ?? [];
-      return { mesh, name: body.name, start: { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) }, motion: body.motion };
+      const start = { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) };
+      return { mesh, name: body.name, start, motion: body.motion, grips: gripsOf(body.name, start, shown) };
     });
 
     this.addGhost();
@@ -218,10 +258,10 @@ export class ReplayScene {
     }
     poseAt(robot, trace, t);
     for (const { mesh, link, local } of this.links) mesh.matrix.multiplyMatrices(robot.pose(link), local);
-    for (const { mesh, start, motion } of this.bodies) {
-      const now = placeAt(motion, start, t);
-      mesh.position.copy(now.position);
-      mesh.quaternion.copy(now.turn);
+    for (const body of this.bodies) {
+      const now = bodyAt(body, robot, t);
+      body.mesh.position.copy(now.position);
+      body.mesh.quaternion.copy(now.turn);
     }
     for (const { mark, start, motion } of this.goals) {
       const now = placeAt(motion, start, t);
@@ -263,8 +303,8 @@ export class ReplayScene {
   private placeOf(robot: Robot, name: string, t: number): Matrix4 {
     if (robot.has(name)) return robot.pose(name).clone();
     const body = this.bodies.find((one) => one.name === name);
-    const { position, turn } = body === undefined ? { position: new Vector3(), turn: quaternion([]) } : placeAt(body.motion, body.start, t);
-    return new Matrix4().compose(position, turn, new Vector3(1, 1, 1));
+    const { position, turn } = body === undefined ? { position: new Vector3(), turn: quaternion([]) } : bodyAt(body, robot, t);
+    return new Matrix4().compose(position, turn, IN_SCALE);
   }
 
   /** The path that the base follows, from where it should be now; or the straight line to where a detour leads. */
