@@ -40,8 +40,9 @@ namespace case_file {
 
 /// True if a member stands among its record's keys; goals, what is carried and lists stand elsewhere.
 template <class V>
-inline constexpr bool is_here = !is_std_vector<V> && !std::is_same_v<V, GoalState> &&
-                                !std::is_same_v<V, std::optional<GoalState>> && !std::is_same_v<V, std::optional<Carried>>;
+inline constexpr bool is_here =
+    !is_std_vector<V> && !std::is_same_v<V, GoalState> && !std::is_same_v<V, std::optional<GoalState>> &&
+    !std::is_same_v<V, std::optional<Carried>>;
 
 template <class T>
 class Reading {

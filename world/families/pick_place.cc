@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -18,11 +19,11 @@ struct PickPlace {
   double drop = 0.02;                                 ///< [m]
   Distribution lift{Distribution::Fixed{0.12}};       ///< [m]
   double can = 0.5;
-  Distribution radius{Uniform{0.02, 0.04}};     ///< [m]
-  Distribution length{Uniform{0.08, 0.2}};      ///< [m]
-  Distribution block{Uniform{0.25, 0.6}};       ///< [m]
-  Distribution turn{Uniform{-0.4, 0.4}};        ///< [rad]
-  double upwards = 0.2;                         ///< [1]
+  Distribution radius{Uniform{0.02, 0.04}};  ///< [m]
+  Distribution length{Uniform{0.08, 0.2}};   ///< [m]
+  Distribution block{Uniform{0.25, 0.6}};    ///< [m]
+  Distribution turn{Uniform{-0.4, 0.4}};     ///< [rad]
+  double upwards = 0.2;                      ///< [1]
   Count objects{Uniform{0.0, 4.0}};
   Distribution lateral{Distribution::Normal{0.0, 0.6}};  ///< [m]
   ObjectMix mix;
@@ -31,9 +32,11 @@ struct PickPlace {
 constexpr void describe(auto& v, Of<PickPlace>) {
   using T = PickPlace;
   v.inlined(&T::placement);
-  v.member("clearance", &T::clearance, in_range({0.001, 0.2}, "m", "distance between hand and object when it is taken"));
+  v.member("clearance", &T::clearance,
+           in_range({0.001, 0.2}, "m", "distance between hand and object when it is taken"));
   v.member("drop", &T::drop, in_range({0.001, 0.2}, "m", "height of the object over the block where it is left"));
-  v.member("lift", &T::lift, in_range({0.05, 1.0}, "m", "distance of the goals beside those at the object and the place"));
+  v.member("lift", &T::lift,
+           in_range({0.05, 1.0}, "m", "distance of the goals beside those at the object and the place"));
   v.member("can", &T::can, in_range({0.0, 1.0}, "1", "share of upright cylinders; the others are boxes"));
   v.member("radius", &T::radius, in_range({0.005, 0.5}, "m", "radius of a can, half the edge of a box"));
   v.member("length", &T::length, in_range({0.01, 2.0}, "m", "height of the object"));
@@ -109,11 +112,20 @@ bool build(const PickPlace& p, SceneBuilder& builder, World& world) {
   const std::array<std::pair<const Kinematics*, Isometry>, 4> beside{
       std::pair(&at_take, moved(X_WT, -lift * hand.into)), std::pair(&at_take, moved(X_WT, lift * up)),
       std::pair(&at_leave, moved(X_WL, lift * up)), std::pair(&at_leave, moved(X_WL, back_L))};
+  const RobotModel& model = builder.model();
+  const auto robot_clear_of = [&](const WorldObject& solid) {
+    const Kinematics& at = builder.further();
+    return std::all_of(model.shapes.begin(), model.shapes.end(), [&](const CollisionShape& shape) {
+      return shape_distance(shape.shape, at.X_WS(shape), solid.shape, solid.X_WO).d >= clearance;
+    });
+  };
   std::vector<Kinematics> holding{at_leave};
   world.further.clear();
   std::vector<WorldGoal> goals(beside.size());
   for (std::size_t i = 0; i < beside.size(); ++i) {
     if (!builder.move_arm(p.placement, *beside[i].first, beside[i].second)) return false;
+    if ((i == 0 && !robot_clear_of(object)) || (i == 3 && !robot_clear_of(left)))
+      return builder.reject("pick-place: the arm beside the object is nearer than the hand at it");
     const Isometry& X_WE = builder.further().X_WE();
     set_pose(goals[i], X_WE.translation(), Eigen::Quaterniond(X_WE.linear()));
     if (i == 0) world.witness = {builder.further().base(), builder.further().q()};
@@ -126,7 +138,6 @@ bool build(const PickPlace& p, SceneBuilder& builder, World& world) {
   world.further = {take, goals[1], goals[2], leave, goals[3]};
 
   // What is carried keeps off the robot's other links and all other things; where it is left, `drop` off its block.
-  const RobotModel& model = builder.model();
   const auto clear_of_carried = [&](const Shape& shape, const Isometry& X_W, const Kinematics& at, double distance) {
     return shape_distance(object.shape, at.X_WE() * X_EO, shape, X_W).d > distance;
   };
@@ -137,14 +148,14 @@ bool build(const PickPlace& p, SceneBuilder& builder, World& world) {
         return builder.reject("pick-place: the object would touch the arm");
   const auto clear = [&](const WorldObject& solid, double distance, bool at_place) {
     for (const Kinematics& at : holding)
-      if ((at_place || &at != &holding.front()) && !clear_of_carried(solid.shape, solid.X_WO, at, distance)) return false;
+      if ((at_place || &at != &holding.front()) && !clear_of_carried(solid.shape, solid.X_WO, at, distance))
+        return false;
     return true;
   };
   WorldObject from = block_under(object, "from", from_height, at_take, p, draws);
   WorldObject to = block_under(left, "to", to_height, at_leave, p, draws);
   if (!builder.stands_near(from, clearance) || !builder.stands_near(to, clearance) || !clear(from, clearance, true) ||
-      !clear(to, clearance, false) ||
-      !(shape_distance(object.shape, object.X_WO, to.shape, to.X_WO).d > clearance))
+      !clear(to, clearance, false) || !(shape_distance(object.shape, object.X_WO, to.shape, to.X_WO).d > clearance))
     return builder.reject("pick-place: a block not clear of start (worlds.clearance) and goals (clearance)");
   world.objects = {object, std::move(from), std::move(to)};
 

@@ -208,7 +208,7 @@ export class ReplayScene {
     }).concat(wheels(robot, look).map((wheel) => this.draw(wheel, colours.wheel)));
     this.bodies = world.objects.map((body) => {
       const moving = body.motion !== undefined && body.motion.kind !== 'static';
-      const hit = shown.hit.object === body.name;
+      const hit = shown.hit.object === body.name || shown.hit.link === `carried:${body.name}`;
       const mesh = new Mesh(solid(body), this.material(hit ? colours.hit : moving ? colours.moving : colours.object, { transparent: true, opacity: 0.88 }));
       mesh.castShadow = true;
       this.content.add(mesh);
