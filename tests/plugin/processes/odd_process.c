@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
       if (asked("refuse"))
         say(104, "these parameters\nare not to my taste");
       else
-        say(101, asked("other_version") ? "{\"protocol\":5711}"
+        say(101, asked("other_version") ? "{\"protocol\":4711}"
                  : asked("no_json")     ? "ready"
                  : asked("own_file")    ? "{\"protocol\":5,\"files\":[\"weights.bin\"]}"
                                         : "{\"protocol\":5}");
