@@ -16,7 +16,7 @@ struct Usual {
 };
 
 /// "WHAT: 90 rad is unusual, where robots have -6.283 to 6.283 radHINT", or "" where the value is usual or not finite.
-/// `whose`: of what these are usual.
+/// `whose`: the things that have such values.
 std::string unusual(const std::string& what, double value, const Usual& usual, const char* hint = "",
                     const char* whose = "robots");
 

@@ -7,9 +7,9 @@
 
 namespace moma::config {
 
-/// The whole of a plain file. What is not one (a folder, FIFO, device, socket) is never opened: reading it could block
-/// or never end. Throws std::runtime_error, without the file's name: not there, no plain file, unreadable, longer than
-/// kMaxTextBytes.
+/// Returns the content of a regular file. Anything else (a folder, FIFO, device, socket) is never opened: reading it
+/// could block or never end. Throws std::runtime_error, without the file's name, if the file is missing, not regular,
+/// unreadable, or longer than kMaxTextBytes.
 std::string read_text_file(const std::filesystem::path& file);
 
 /// Returns at most 200 bytes of a text, for messages.

@@ -73,7 +73,8 @@ void add_lost_after(CLI::App& command, double& seconds);
 int with_ranks(const char* command, run::Request& request, double lost_after, bool profile,
                const std::function<int()>& lead);
 
-/// Tells on stderr what is saved of a run that ended early, and how to go on. Returns the exit code.
+/// Prints the saved part of a run that ended early, and the command that continues it, on stderr. Returns the exit
+/// code.
 int stopped_early(const std::string& text);
 
 }  // namespace moma::cli

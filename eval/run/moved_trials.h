@@ -41,7 +41,7 @@ class MovedTrials {
   /// each trial. Throws Interrupted, store::StoreError.
   std::vector<TrialRow> rows(std::size_t point, std::span<const MovedWorld> worlds, bool progress = false);
 
-  /// Keeps what a risk command found with its invocation, for the page; without a store it does nothing.
+  /// Stores the estimates of a risk command with its invocation, for the page; does nothing without a store.
   void keep(const nlohmann::ordered_json& estimates);
 
   const TrialCounts& counts() const { return counts_; }

@@ -155,7 +155,7 @@ class Tune {
     return verdict;
   }
 
-  /// Gains that are worse than what the suite had do not take the place where better ones are looked for.
+  /// Gains that are worse than the suite's own are not written to the file in which users expect better ones.
   fs::path gains_of(const tune::HeldOutVerdict* verdict) const {
     if (verdict == nullptr || verdict->overall != tune::Verdict::kWorse) return gains_;
     fs::path worse = gains_;

@@ -45,8 +45,8 @@ bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
 }
 
-/// Names of the columns that are not as they come out now, bit for bit; columns that only one of them has are from
-/// another version of what is remembered and say nothing.
+/// Names of the columns that differ from the replayed ones in any bit. A column that only one side has belongs to
+/// another version of the controller's memory and is no difference.
 std::vector<std::string> differing_columns(const store::EncodedSamples& stored, const Trace& replayed) {
   const store::SampleTable then = store::decode_table(stored);
   const store::SampleTable now = store::decode_table(store::encode_samples(replayed));

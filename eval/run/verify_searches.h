@@ -8,10 +8,10 @@
 
 namespace moma::run {
 
-/// Runs every search of the store (moma tune) again: the same candidates must come, and what they cost must follow from
-/// the trials that are stored, of which the chosen ones are computed anew; then judges what was found on the stored
-/// trials of the held-out worlds. Every row of the tables tune_* must come out. Adds to `found`; `finding` hears a
-/// sentence for each disagreement. Throws store::StoreError.
+/// Repeats every search of the store (moma tune). The candidates must be the same, their costs must follow from the
+/// stored trials, of which the chosen ones are simulated again, and so must the verdict from the stored trials of the
+/// held-out worlds. Every row of the tables tune_* must be reproduced. Adds to `found`; `finding` gets a sentence for
+/// each disagreement. Throws store::StoreError.
 void verify_searches(const store::Reader& reader, const VerifyRequest& request, const std::set<std::string>& chosen,
                      const Listener::Text& finding, Verification& found);
 

@@ -51,8 +51,8 @@ struct Callback {
   bool stopped = false;
 };
 
-/// Every cost is asked for, known or not: the function ends searches that only meet what they know, CRS2 with its whole
-/// population at a bound for one, which then asks for that point for ever.
+/// Known costs are asked for as well: the function then ends a search that proposes known points only. CRS2, for one,
+/// proposes the same point for ever once its whole population lies at a bound.
 double cost(const std::vector<double>& x, std::vector<double>& /*gradient*/, void* data) {
   auto& callback = *static_cast<Callback*>(data);
   if (!callback.stopped) {

@@ -59,8 +59,8 @@ struct Checker {
                  kVersion, kGitCommit, kGitDirty) > 0;
   }
 
-  /// Views are what every table and page is read from; triggers could change what is written. The views of another
-  /// build are rightly other ones, and only that build could say whether they are its own.
+  /// All tables and pages are read from views, and triggers could change written rows. Another build may have other
+  /// views; only that build could tell whether they are its own.
   void check_definitions() {
     for (const auto& [name, statement] : views()) {
       const auto ours =

@@ -103,7 +103,7 @@ void check_tables(SQLite::Database& db, const fs::path& file) {
   }
 }
 
-/// Refuses what is not ours. True where the file is a database without any content.
+/// Throws unless the file is a store of moma. Returns true for an empty database.
 bool check_identity(SQLite::Database& db, const fs::path& file) {
   const int application = db.execAndGet("PRAGMA application_id").getInt();
   const int version = schema_version(db);

@@ -25,8 +25,8 @@ namespace {
 
 static_assert(is_complete<Difficulty>(), "a member of Difficulty without its line in describe()");
 
-/// A line of CREATE TABLE for each column, with what is said of it. What came later stands last, as it does where it
-/// was added to a table that was there.
+/// A line of CREATE TABLE for each column, with the column's description as a comment. Later columns stand last: a new
+/// table then equals an old one to which they were added.
 std::string column_lines(std::string_view table, bool ends_table) {
   const auto& all = described_tables();
   const auto found = std::find_if(all.begin(), all.end(), [&](const auto& t) { return t.first == table; });

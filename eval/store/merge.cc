@@ -42,12 +42,12 @@ struct Reference {
 struct IdTable {
   std::string name;
   std::vector<Reference> references;
-  std::vector<std::string> same;    ///< columns that are equal in what is one row
-  std::string shown, file_name;     ///< columns: a name, and what it is made of where it is taken: NAME@2 ...
+  std::vector<std::string> same;    ///< columns that identify a row across stores
+  std::string shown, file_name;     ///< columns: the shown name, and its source; a taken name becomes NAME@2
   std::vector<std::string> within;  ///< columns within whose values shown names are distinct
 };
 
-/// In an order in which what is referred to comes first.
+/// The tables with ids; a table follows those that its rows refer to.
 const std::vector<IdTable>& id_tables() {
   static const std::vector<IdTable> kTables{
       {"robot", {}, {"hash"}, "", "", {}},
@@ -76,8 +76,8 @@ const std::vector<IdTable>& id_tables() {
   return kTables;
 }
 
-/// Adds what is attached as `source`. Maps from its ids to ours are temporary tables. ON CONFLICT leaves out what is
-/// there already; OR IGNORE would leave out what breaks a rule of its table, too. SQLite wants a WHERE before it.
+/// Adds the rows of the database that is attached as `source`. Temporary tables map its ids to ours. ON CONFLICT skips
+/// existing rows; OR IGNORE would also skip rows that violate a constraint. SQLite requires a WHERE before ON CONFLICT.
 struct Importer {
   SQLite::Database& db;
   const fs::path& file;
@@ -109,7 +109,7 @@ struct Importer {
     }
   }
 
-  /// The rows of a source's table `s` with ours of what they refer to.
+  /// Rows of a source's table `s`, joined with the ids that their references have here.
   struct Mapped {
     std::string from;                           ///< "FROM source.TABLE AS s JOIN map_..."
     std::map<std::string, std::string> values;  ///< of its references
@@ -349,7 +349,7 @@ MergeSummary merge(const fs::path& out, const std::vector<fs::path>& in, const M
   const fs::path* current = &out;
   try {
     MergeSummary summary;
-    // Rows that OUT has stay as they are, whoever made them.
+    // Existing rows of OUT stay as they are.
     if (there) copy_store(place, part);
     {
       SQLite::Database db = open_database(part, Access::kCreate);

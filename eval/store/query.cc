@@ -49,7 +49,7 @@ int fail(char*& words, const char* text) noexcept {
   return SQLITE_ERROR;
 }
 
-/// Runs `work`, which gives a code of SQLite; what it throws becomes a code and words, since SQLite calls from C and no
+/// Runs `work`, which returns a code of SQLite. An exception becomes a code and a message: SQLite is C, and no
 /// exception may pass through it.
 template <typename Work>
 int guarded(char*& words, Work&& work) noexcept {
@@ -62,8 +62,8 @@ int guarded(char*& words, Work&& work) noexcept {
   }
 }
 
-/// The columns of all robots' samples, in the order in which they appear. All trials of a robot have the same, but for
-/// what the controller remembered, of which earlier versions wrote less: what this one writes is among them.
+/// The columns of all robots' samples, in the order of their first appearance. All trials of a robot have the same
+/// ones, except for the controller's memory: earlier versions wrote fewer of these columns, and never others.
 std::vector<std::string> known_columns(SQLite::Database& db) {
   std::vector<std::string> names;
   for (const std::string& text :

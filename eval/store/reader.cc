@@ -254,7 +254,7 @@ std::string Reader::result_hash() const {
       }
       chain = hash_text(line);
     }
-    // Without metrics the hash is what it was before there were any.
+    // A store without metrics keeps the hash of versions that had no metrics.
     return to_hex(chain_rows(db(), chain,
                              "SELECT d.file_name, d.expression, lower(hex(v.key)), v.value FROM metric_value AS v "
                              "JOIN metric AS d ON d.id = v.metric_id ORDER BY 1, 2, 3"));

@@ -50,8 +50,8 @@ constexpr void describe(Visitor& v, Of<Difficulty>) {
 
 namespace moma::store {
 
-// Rows of the tables that are not described beside what they hold (eval/trial/row.h, eval/store/samples.h,
-// eval/store/search_tables.h). What follows from a record's place, keys and ids, is no part of it.
+// Rows of the tables without a description of their own elsewhere (eval/trial/row.h, eval/store/samples.h,
+// eval/store/search_tables.h). Keys and ids follow from a record's place in its table and are no members.
 
 /// Row of the tables controller and resolved_suite.
 struct ContentRow {

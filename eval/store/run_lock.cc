@@ -52,7 +52,7 @@ RunLock::RunLock(const std::filesystem::path& db, const std::atomic<bool>* stop,
 
 RunLock::~RunLock() {
   if (descriptor_ < 0) return;
-  // While it is held: whoever waits finds that its file is gone, and opens anew.
+  // Deleted while locked: a waiting process sees that the file is gone, and opens a new one.
   if (held_ && !(use_ == Use::kMergeFrom && found_)) unlink(file_.c_str());
   release();
 }

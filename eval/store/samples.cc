@@ -24,7 +24,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "samples are stored little-endian");
 
 constexpr int kCompressionLevel = 3;
-// Bounds of what a store may ask us to unpack: hours of samples, and more columns than any robot has.
+// Limits of an unpacked table, against hostile stores: hours of samples, and more columns than any robot has.
 constexpr std::uint64_t kLargestTable = std::uint64_t{512} << 20;  // bytes
 constexpr std::size_t kMostColumns = 4096;
 constexpr std::size_t kLongestColumns = std::size_t{1} << 20;  // bytes of JSON
@@ -224,7 +224,7 @@ EncodedSamples encode_samples(const Trace& trace) {
 std::vector<std::string> column_names_of(const std::string& json) {
   std::vector<std::string> names;
   if (json.size() <= kLongestColumns) {
-    // A list of words is flat: what is nested is not even read.
+    // A list of words is flat: the parser skips nested values.
     const auto flat = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) { return depth <= 1; };
     const auto list = nlohmann::json::parse(json, flat, false);
     const bool words =
@@ -267,7 +267,7 @@ SampleTable decode_table(const EncodedSamples& encoded) {
 
 Trace decode_samples(const EncodedSamples& encoded) {
   const SampleTable table = decode_table(encoded);
-  // Samples of earlier versions lack some or all of what the controller remembered.
+  // Samples of earlier versions lack some or all columns of the controller's memory.
   std::vector<int> places;
   std::size_t used = 0;
   Sample sample = sized({count_of(table.names, "q"), count_of(table.names, "qdot")});

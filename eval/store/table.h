@@ -240,9 +240,9 @@ std::size_t count(SQLite::Database& db, const std::string& sql, const A&... valu
   return row<std::size_t>(db, sql, values...).value();
 }
 
-/// Adds a value as text, of a number its bits.
+/// Appends a value as text; a number as its bits.
 void add_bits(std::string& text, const SQLite::Column& cell);
-/// The hash over all rows of a query, each after the hash of those before it; `chain`: of what comes first.
+/// Returns the hash chain over all rows of a query, which continues `chain`.
 Hash chain_rows(SQLite::Database& db, Hash chain, const std::string& sql);
 
 /// Names of the columns in which `kept` differs from `said` as stored; "" if none.

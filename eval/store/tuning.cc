@@ -53,7 +53,7 @@ auto guarded(Writer& writer, const Work& work) {
 template <typename Work>
 void write(Writer& writer, const Work& work) {
   guarded(writer, [&](SQLite::Database& db) {
-    writer.flush();  // what a record is made of is there before it
+    writer.flush();  // the trials of a record are committed before it
     SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
     work(db);
     transaction.commit();

@@ -17,8 +17,8 @@ void add_result(std::vector<TuneVariableRecord>& variables, const tune::SearchRe
 std::vector<TuneSensitivityRecord> sensitivity_records(const tune::Sensitivity& sensitivity);
 
 /// One search in a store, through the writer that owns the store; a search that was killed at any moment goes on from
-/// here. Every call is one transaction; results of trials that an evaluation is made of are committed before it.
-/// Throws StoreError: kInterrupted, or kUnusable for what no moma writes.
+/// here. Every call is one transaction; it follows the transaction with the trials of its evaluation.
+/// Throws StoreError: kInterrupted, or kUnusable for records that no version of moma writes.
 class TuneRecords : public tune::EvaluationLog {
  public:
   /// Finds the search with this identity, or adds it.
@@ -30,7 +30,7 @@ class TuneRecords : public tune::EvaluationLog {
   std::optional<tune::Evaluation> find(std::uint64_t evaluation) override;
   void append(const tune::Evaluation& evaluation) override;
   void stopped();
-  /// Replaces what an earlier end of the same search stored.
+  /// Stores the result; replaces the one of an earlier end of the same search.
   void finish(const tune::SearchResult& result);
   /// `held_out`: the worlds, JSON.
   void verdict(const std::string& held_out_suite, const std::string& held_out,

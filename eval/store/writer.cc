@@ -172,7 +172,7 @@ struct Writer::Impl {
     last_commit = Clock::now();
   }
 
-  /// After a failure nothing of what is kept back can be written any more.
+  /// After a failure the waiting rows cannot be written any more.
   template <typename Work>
   auto guarded(StoreError::Kind kind, const Work& work) {
     try {
@@ -198,7 +198,7 @@ Writer::~Writer() {
   if (impl_ == nullptr) return;
   try {
     impl_->flush();
-  } catch (...) {  // a destructor on the way out of another failure: what is committed stays
+  } catch (...) {  // stack unwinding after another failure: committed rows stay
   }
 }
 

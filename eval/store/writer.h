@@ -76,7 +76,7 @@ class Writer {
   /// Keeps the estimates of `moma risk` with this invocation.
   void keep_risk(const std::string& json);
 
-  /// Commits what is kept back.
+  /// Commits the rows that wait for a transaction.
   void flush();
 
   /// Links trials shared by several points, and closes the invocation's record.

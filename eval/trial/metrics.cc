@@ -119,8 +119,8 @@ void measure_steps(const Recording& r, const RobotModel& model, TrialRow& row) {
   if (r.has_qp) row.active_rows_mean = active_sum / n;
 }
 
-// Says what the robot does in a control period, whose command's largest share of a limit is `share`, and `before` in
-// the period before.
+// Returns the phase of a control period. `share` is the largest ratio of a command to its limit, `before` the one of
+// the previous period.
 double TrialRow::*phase_of(const Recording& r, const StateRecord& s, double share, double before) {
   constexpr double kClose = 0.05;     // [m]
   constexpr double kStanding = 0.02;  // share of a limit

@@ -21,7 +21,7 @@ struct TrialRows {
     double t = 0.0;  ///< of the control step [s]
     RowId id;
     int first = 0;        ///< index into `names`: the robot's link
-    int second = 0;       ///< and of what it is kept from: an object, the floor, another link
+    int second = 0;       ///< index of the other body: an object, the floor, another link
     bool active = false;  ///< at its limit in the solution
   };
   std::vector<std::string> names;

@@ -55,10 +55,10 @@ std::vector<moma_object_shape> shapes_of(std::span<const ObjectShape> objects) {
   return shapes;
 }
 
-/// Room for what a plugin has to say.
+/// Buffer for a plugin's message.
 using PluginText = std::array<char, 4096>;
 
-/// Its words, as far as there are any, without control characters and what is no UTF-8; else `otherwise`.
+/// Returns its message without control characters and invalid UTF-8; `otherwise` if there is none.
 std::string plugin_says(PluginText& text, const char* otherwise) {
   text.back() = '\0';
   std::string message = without_controls(text.data());

@@ -33,7 +33,7 @@ namespace {
 /// The environment variable that marks every process of a Child and its descendants.
 constexpr const char* kWorkerVariable = "MOMA_WORKER";
 
-// $1: what the marks of all begin with. Each line: a mark whose processes are to go. Its end: moma is gone.
+// $1: common prefix of all marks. Each line of its input is a mark whose processes are killed; end of input: moma died.
 constexpr const char* kScript = R"(
 sweep() {
   for round in 1 2 3 4 5 6 7 8; do

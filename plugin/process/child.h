@@ -30,17 +30,17 @@ class Descriptor {
   int value_;
 };
 
-/// A process of a command, in a group of its own, which keys at the terminal do not reach. One socket is its standard
-/// input and output; the end of its standard error is kept. It inherits no other descriptor. It dies with this object
-/// and with this process, and so does what it started: its descendants inherit a mark in their environment, by which
-/// they are found and killed. A descendant that clears its environment and leaves its group escapes.
+/// A child process in a process group of its own, which signals of the terminal's keys do not reach. Its standard input
+/// and output are one socket; the tail of its standard error is kept. It inherits no other descriptor. The child and
+/// its descendants are killed with this object and with this process; descendants are found by a mark in their
+/// environment. A descendant that clears its environment and leaves the process group escapes.
 class Child {
  public:
   using Clock = std::chrono::steady_clock;
   enum class Wait { kDone, kLate, kEnded };
 
-  /// Throws PluginError where it cannot be started, and within a process that a Child started: what is started while a
-  /// controller is read would start itself without end.
+  /// Throws PluginError if the command cannot be started, or if this process is itself a Child: a controller's file
+  /// that starts processes while it is read would recur without end.
   explicit Child(const ProcessCommand& command);
   ~Child();
   Child(const Child&) = delete;

@@ -10,8 +10,8 @@ namespace moma {
 namespace fs = std::filesystem;
 
 std::shared_ptr<ProcessPool> ProcessPool::of(const ProcessCommand& command) {
-  // The points of a sweep are read one by one and know nothing of each other; what they share here lives as long as one
-  // of them does.
+  // The points of a sweep are read one by one and do not know each other; their shared pool lives as long as one
+  // of them.
   static std::mutex mutex;
   static std::map<ProcessCommand, std::weak_ptr<ProcessPool>> all;
   const std::scoped_lock lock(mutex);
