@@ -138,11 +138,6 @@ class Checker {
     if (map.enabled && !p_.prediction.enabled)
       error("map", "needs `prediction`: it knows how old the measurements are");
     if (map.enabled && model_.sensors.empty()) warning("map", "stays empty: the robot file has no `sensors`");
-    if (map.enabled && !(map.inset < 0.5 * map.cell))
-      error("map.inset", "must be below half of map.cell = " + short_text(map.cell) + ", is " + short_text(map.inset));
-    if (map.enabled && !(map.height < (OccupancyMap::kMostLayers + 0.5) * map.cell))
-      error("map.height", "must be at most " + std::to_string(OccupancyMap::kMostLayers) +
-                              " cells of map.cell = " + short_text(map.cell) + ", is " + short_text(map.height));
     if (map.unseen.enabled && !(map.unseen.stop < map.unseen.influence))
       error("map.unseen.stop", "must be below map.unseen.influence = " + short_text(map.unseen.influence) + ", is " +
                                    short_text(map.unseen.stop));

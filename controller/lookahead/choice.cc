@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "controller/lookahead/rollout.h"
 
 namespace moma {
 namespace {
 
-constexpr int kMoments = 40;  // of coming to rest
+constexpr int kMoments = 40;        // of coming to rest
+constexpr double kThinnest = 0.01;  // edge of a box [m]
 
 }  // namespace
 
@@ -40,6 +42,7 @@ Choice::Choice(std::shared_ptr<const RobotModel> model, const ControllerParams& 
       settle_(params.plan.settle),
       standing_(params.plan.decisions.standing),
       close_plans_(params.plan.decisions.close_plans),
+      depth_(params.map.unseen.around),
       direct_way_(model, params),
       planner_(model, params),
       stand_(WholeConfiguration::Zero(3 + model->num_joints())) {
@@ -81,15 +84,39 @@ void Choice::put(const MotionState& motion, Observation& o) const noexcept {
 }
 
 void Choice::begin(const Observation& from, double direct_time, int number, bool plans) noexcept {
-  copy_observation(from, from_);
+  begin_way(from);
   verdict_ = {.kind = PlanKind::kPolicy, .tried = 1, .policy = direct_time};
   seed_ = static_cast<std::uint64_t>(number - 1);
   plans_ = 0;
   plans_paths_ = plans;
   direct_ = done_ = false;
+}
+
+void Choice::begin_way(const Observation& from) noexcept {
+  copy_observation(from, from_);
+  around_ = false;
+  for (ObjectState& object : from_.objects) {
+    if (object.seen || !object.visible) continue;
+    around_ = object.visible = depth_ > 0.0;
+    object.box = (object.box.array() - 2.0 * depth_).max(kThinnest);
+  }
+  begin_way();
+}
+
+void Choice::begin_way() noexcept {
   on_way_ = true;
   direct_way_.begin(motion_of(from_), from_.goal.X_WG, from_.objects);
   stopping_ = comes_to_rest(*model_, planner_.limits(), from_, rest(), stand_);
+}
+
+// Begins again with ways through space that no sensor has seen. False if they had counted already.
+bool Choice::go_through() noexcept {
+  if (!std::exchange(around_, false)) return false;
+  for (ObjectState& object : from_.objects)
+    if (!object.seen) object.visible = false;
+  plans_ = 0;
+  begin_way();
+  return true;
 }
 
 void Choice::end_way() noexcept {
@@ -102,7 +129,7 @@ void Choice::end_way() noexcept {
     verdict_.kind = PlanKind::kPath;
   }
   if (direct_ || !plans_paths_)
-    done_ = true;
+    done_ = direct_ || !go_through();
   else
     begin_plan();
 }
@@ -132,6 +159,7 @@ bool Choice::advance(long& budget) noexcept {
       begin_plan();
       continue;
     }
+    if (!planner_.found() && go_through()) continue;
     done_ = true;
     ++verdict_.tried;
     if (!planner_.found()) continue;

@@ -22,6 +22,8 @@ enum class Rest { kEvenly, kEach };
 /// direct way if one is free and quicker than the policy, otherwise a planned one that is quicker. The work consists of
 /// pieces of planning, counted in checks; its result does not depend on how they are spread over control steps.
 ///
+/// Ways lead around space that no sensor has seen (map.unseen.around), or through it if none is found.
+///
 /// One per controller. Only construction and reset() allocate.
 class Choice {
  public:
@@ -39,6 +41,8 @@ class Choice {
   /// Begins a choice that takes effect at `from`, where the direct policy needs `direct_time` seconds (negative: it
   /// fails). `number` counts choices from 1 and seeds the draws of a plan. Without `plans` only a direct way counts.
   void begin(const Observation& from, double direct_time, int number, bool plans = true) noexcept;
+  /// Begins the search for a direct way from `from` alone; direct_way() goes on with it.
+  void begin_way(const Observation& from) noexcept;
   /// Works until `budget` checks are spent or the choice is complete. True if work is left.
   bool advance(long& budget) noexcept;
   /// Ends the search with the best path so far.
@@ -59,6 +63,8 @@ class Choice {
   void put(const MotionState& motion, Observation& o) const noexcept;
 
  private:
+  void begin_way() noexcept;
+  bool go_through() noexcept;
   void end_way() noexcept;
   void begin_plan() noexcept;
   // The path to a goal close to an object begins at rest.
@@ -68,12 +74,14 @@ class Choice {
   double settle_;    // time from a path's end to the goal [s]
   double standing_;  // velocities below which the robot stands
   int close_plans_;  // plans of one choice for a goal that is close to an object, each with more work
+  double depth_;     // up to which ways may enter space that no sensor has seen [m]; 0: they go through it
   DirectWay direct_way_;
   Planner planner_;
 
   bool done_ = true;
   bool plans_paths_ = true, on_way_ = false, direct_ = false;
-  Observation from_;
+  Observation from_;     // space that no sensor has seen is smaller by `depth_`
+  bool around_ = false;  // ways lead around that
   Matrix3 R_WG_ = Matrix3::Identity();
   WholeConfiguration stand_;  // configuration in which the robot comes to rest
   double stopping_ = 0.0;     // time until then [s]

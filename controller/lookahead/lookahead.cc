@@ -280,7 +280,7 @@ void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
 
 void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
   if (job_ != Job::kSetOut) {
-    choice_.direct_way().begin(choice_.motion_of(o), o.goal.X_WG, o.objects);
+    choice_.begin_way(o);
     job_ = Job::kSetOut;
   }
   if (choice_.direct_way().advance(budget) && state_.steps < periods(params_.decisions.set_out_time)) return;

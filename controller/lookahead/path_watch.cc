@@ -15,6 +15,9 @@ double least_clearance(const DecisionParams& params, const Path& path) noexcept 
   return std::max(0.0, std::min(params.least, params.share * path.clearance - params.less));
 }
 
+// A path is looked at among what is known: it may lead into space that no sensor has seen.
+bool counts(const ObjectState& object) noexcept { return counts_for_plans(object) && object.seen; }
+
 // Near the goal the path keeps a share of the distance with which it was planned there.
 KeptDistance shifted_goal(const DecisionParams& params, const Path& path, const PlanarShift& shift,
                           double slope) noexcept {
@@ -47,8 +50,8 @@ bool PathWatch::news(std::span<const ObjectState> objects, const PlanarShift& sh
       std::abs(wrapped(shift.turn - looked_shift_.turn)) > turned)
     return true;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (!counts_for_plans(objects[i])) continue;
-    if (!counts_for_plans(looked_at_[i]) || !stays(objects[i], looked_at_[i], moved, turned)) return true;
+    if (!counts(objects[i])) continue;
+    if (!counts(looked_at_[i]) || !stays(objects[i], looked_at_[i], moved, turned)) return true;
   }
   return false;
 }
@@ -58,7 +61,8 @@ bool PathWatch::holds(const Path& path, const PlanarShift& shift, double t, std:
   if (objects.size() != looked_at_.size()) return true;
   if (news(objects, shift)) {
     std::copy(objects.begin(), objects.end(), looked_at_.begin());
-    space_.set_states(objects);
+    for (ObjectState& object : looked_at_) object.visible = counts(object);
+    space_.set_states(looked_at_);
     looked_shift_ = shift;
     space_.keep_near(shifted_goal(params_, path, shift, slope_));
     known_ = true;

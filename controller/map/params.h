@@ -23,15 +23,16 @@ constexpr void describe(auto& v, Of<EvidenceParams>) {
   v.member("most", &T::most, in_range(kLogOdds, "1", "upper bound of a cell's log-odds"));
 }
 
-/// Space that no sensor has seen: the robot stops in front of it, and plans go through it.
+/// Space that no sensor has seen: the robot stops in front of it, and ways lead around what is near.
 struct UnseenParams {
   bool enabled = false;
-  double start = 0.4;       ///< distance from the robot's first place up to which space counts as free [m]
+  double start = 0.1;       ///< distance from the robot's first place up to which space counts as free [m]
   double influence = 0.15;  ///< distance below which a pair has a row [m]
   double stop = 0.0;        ///< stop distance of these rows [m]
   double margin = 0.0;      ///< distance kept on the braking trajectory [m]
-  double range = 0.7;       ///< distance from the robot up to which unseen space counts [m]
-  int boxes = 96;           ///< most boxes
+  double range = 0.5;       ///< distance from the robot up to which unseen space counts [m]
+  double around = 0.01;     ///< depth up to which ways may enter it while one is found [m]; 0: they go through it
+  int boxes = 160;          ///< most boxes
 };
 
 constexpr void describe(auto& v, Of<UnseenParams>) {
@@ -42,6 +43,8 @@ constexpr void describe(auto& v, Of<UnseenParams>) {
   v.member("stop", &T::stop, non_negative("m", "stop distance of these rows"));
   v.member("margin", &T::margin, non_negative("m", "distance kept on the braking trajectory"));
   v.member("range", &T::range, positive("m", "distance from the robot up to which unseen space counts"));
+  v.member("around", &T::around,
+           non_negative("m", "depth up to which ways may enter unseen space, unless all go through it; 0: they do"));
   v.member("boxes", &T::boxes, in_range({1.0, 1000.0}, "", "number of boxes, the nearest ones"));
 }
 
@@ -56,7 +59,6 @@ struct MapParams {
   int rays = 5000;      ///< per control step; a frame that has begun ends
   double reach = 2.5;   ///< horizontal distance from the base up to which occupied space counts [m]
   int boxes = 256;      ///< most boxes of occupied space
-  double inset = 0.0;   ///< the boxes' faces lie this far inside their outer cells [m]
   EvidenceParams evidence;
   UnseenParams unseen;
 };
@@ -72,7 +74,6 @@ constexpr void describe(auto& v, Of<MapParams>) {
            in_range({1.0, 1e6}, "", "rays that a control step takes; a frame that has begun is taken to its end"));
   v.member("reach", &T::reach, positive("m", "horizontal distance from the base up to which occupied space counts"));
   v.member("boxes", &T::boxes, in_range({1.0, 5000.0}, "", "number of boxes of occupied space, the nearest ones"));
-  v.member("inset", &T::inset, non_negative("m", "distance of the boxes' faces inside the outer faces of their cells"));
   v.member("evidence", &T::evidence, {.written = Written::kUnlessDefault, .text = "log-odds of hits and passing rays"});
   v.optional("unseen", &T::unseen, &UnseenParams::enabled, Off::kOmitted,
              "the robot stops in front of space that no sensor has seen");

@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t kMoments = 128;     // remembered steps
 constexpr std::size_t kMostFound = 4096;  // boxes among which the nearest are chosen
-constexpr double kThinnest = 0.01;        // edge of a box [m]
 constexpr double kOften = 0.3;            // boxes are looked at after this time, or where they miss a new cell [s]
 constexpr double kMerge = 1.0;            // all boxes are made anew after this time [s]
 constexpr double kBeside = 0.15;          // of the base, no object at the start [m]
@@ -71,7 +70,6 @@ void SeenMap::reset() {
   const auto boxes = static_cast<std::size_t>(params_.boxes);
   states_.assign(boxes + static_cast<std::size_t>(params_.unseen.enabled ? params_.unseen.boxes : 0), hidden);
   occupied_.states = std::span(states_).first(boxes);
-  occupied_.inset = params_.inset;
   unseen_.states = std::span(states_).subspan(boxes);
   for (ObjectState& state : unseen_.states) state.seen = false;
   for (Kind* kind : {&occupied_, &unseen_}) {
@@ -261,11 +259,10 @@ CellBox SeenMap::region(const Vector3& low, const Vector3& high) const noexcept 
 // compares objects with those of before finds what has changed.
 void SeenMap::make_boxes(Kind& kind, const CellBox& region) noexcept {
   map_.cover(kind.kind, region, kind.boxes);
-  const Vector3 inset = Vector3::Constant(kind.inset);
   order_.clear();
   for (std::size_t i = 0; i < kind.boxes.size(); ++i) {
     const Vector3 low = map_.low_corner(kind.boxes[i].low), high = map_.low_corner(kind.boxes[i].high);
-    const Eigen::AlignedBox3d box(low + inset, high - inset);
+    const Eigen::AlignedBox3d box(low, high);
     double nearest = kNever;
     for (const Eigen::AlignedBox3d& part : around_) nearest = std::min(nearest, part.squaredExteriorDistance(box));
     order_.emplace_back(nearest, static_cast<int>(i));
@@ -302,11 +299,9 @@ void SeenMap::make_boxes(Kind& kind, const CellBox& region) noexcept {
     if (kept_[i] != 0) continue;
     while (kind.states[place].visible) ++place;
     ObjectState& state = kind.states[place];
-    const Vector3 low = map_.cell() * box.low.cast<double>() + inset,
-                  high = map_.cell() * box.high.cast<double>() - inset;
     state.visible = true;
-    state.X_WO.translation() = 0.5 * (low + high);
-    state.box = (high - low).cwiseMax(kThinnest);
+    state.X_WO.translation() = 0.5 * map_.cell() * (box.low + box.high).cast<double>();
+    state.box = map_.cell() * (box.high - box.low).cast<double>();
     kind.objects[place] = box;
   }
 }

@@ -68,7 +68,6 @@ class SeenMap {
     std::vector<CellBox> boxes;    // from the window's first cell
     std::vector<CellBox> objects;  // of its objects, from the world's origin; of no cells: none
     std::span<ObjectState> states;
-    double inset;
   };
   void make_boxes(Kind& kind, const CellBox& region) noexcept;
 
@@ -85,7 +84,7 @@ class SeenMap {
   std::vector<Waiting> sensors_;
   std::vector<Moment> base_log_, joint_log_;  // rings
   std::size_t logged_ = 0;
-  Kind occupied_{OccupancyMap::Kind::kOccupied, {}, {}, {}, 0.0}, unseen_{OccupancyMap::Kind::kUnseen, {}, {}, {}, 0.0};
+  Kind occupied_{OccupancyMap::Kind::kOccupied, {}, {}, {}}, unseen_{OccupancyMap::Kind::kUnseen, {}, {}, {}};
   double made_at_ = -kNever, merged_at_ = -kNever;  // times of the last boxes, and of boxes from nothing [s]
   std::vector<std::pair<double, int>> order_;
   std::vector<CellBox> chosen_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -69,11 +70,13 @@ struct ProximityPair {
   Distance distance;
 };
 
-/// Ranges inside which pairs are reported [m]; a negative range switches that kind off.
+/// Ranges inside which pairs are reported [m]; a negative range switches that kind off. Space that no sensor has seen
+/// is an object with a range of its own, at most that of objects.
 struct ProximityRanges {
   double object = 0.3;
   double floor = -1.0;
   double self = -1.0;
+  double unseen = std::numeric_limits<double>::infinity();
 };
 
 /// Distances between a robot's shapes, a set of objects, the floor (z = 0) and the robot itself, by coal after a broad

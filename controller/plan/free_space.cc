@@ -12,7 +12,7 @@ namespace {
 // Subtracted from the distance of a start that is nearer to an object than the clearances [m].
 constexpr double kSpare = 0.003;
 
-ProximityRanges ranges_of(const Clearances& c) noexcept { return {c.object, c.floor, c.self}; }
+ProximityRanges ranges_of(const Clearances& c) noexcept { return {c.object, c.floor, c.self, 0.0}; }
 
 }  // namespace
 

@@ -11,10 +11,8 @@
 
 namespace moma {
 
-/// True for the objects of which plans keep clear: sensed ones at rest. Space that no sensor has seen is none of them.
-inline bool counts_for_plans(const ObjectState& object) noexcept {
-  return object.visible && object.seen && !in_motion(object);
-}
+/// True for the objects of which plans keep clear: visible ones at rest.
+inline bool counts_for_plans(const ObjectState& object) noexcept { return object.visible && !in_motion(object); }
 
 /// True if an object is where it was, within `moved` [m] and `turned` [rad], and its box as large.
 inline bool stays(const ObjectState& now, const ObjectState& then, double moved, double turned) noexcept {
@@ -53,8 +51,8 @@ class FreeSpace {
   FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits& limits);
 
   void set_objects(std::span<const ObjectShape> objects);
-  /// Copies the objects' states, as many as set_objects() was given. Moving and invisible objects are left out, and
-  /// space that no sensor has seen.
+  /// Copies the objects' states, as many as set_objects() was given. Moving and invisible objects are left out. Space
+  /// that no sensor has seen must not be entered; its distance does not count.
   void set_states(std::span<const ObjectState> states) noexcept;
   std::span<const ObjectState> states() const noexcept { return states_; }
 

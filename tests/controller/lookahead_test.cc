@@ -266,6 +266,68 @@ TEST_P(Ahead, AChoiceDoesNotDependOnTheBudget) {
   EXPECT_LT(quick.by_path, 0.0);
 }
 
+// Ways lead around space that no sensor has seen; where it is all round, they lead through it.
+TEST_P(Ahead, LeadsAroundWhatNobodyHasSeen) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  const auto choose = [&](const std::vector<std::pair<Vector3, Vector3>>& boxes, std::vector<ObjectState>& states) {
+    Scene scene = behind_a_wall(model, 2);
+    for (const auto& [size, middle] : boxes) {
+      scene.shapes.push_back({"unseen", {ShapeKind::kBox, size, nullptr}});
+      ObjectState& state = scene.states.emplace_back();
+      state.X_WO.translation() = middle;
+      state.box = size;
+      state.seen = false;
+    }
+    states = scene.states;
+    const ControllerParams params = read_params(*model, true);
+    Choice choice(model, params);
+    choice.reset(scene.shapes);
+    choice.begin(Loop(model, params, scene).o, -1.0, 1);
+    long budget = 1L << 30;
+    EXPECT_FALSE(choice.advance(budget));
+    EXPECT_EQ(choice.verdict().kind, PlanKind::kPath);
+    return choice.path();
+  };
+  // How deep the path leads into it.
+  const auto deepest = [&](const Path& path, const std::vector<ObjectState>& states) {
+    Kinematics kinematics(model);
+    WholeConfiguration c;
+    double least = 0.0;
+    for (double t = 0.0; t <= path.duration; t += 0.02) {
+      path.at(t, c);
+      kinematics.update(c.head<3>(), c.tail(model->num_joints()));
+      for (const ObjectState& state : states)
+        if (!state.seen)
+          for (const CollisionShape& shape : model->shapes)
+            least = std::min(least, shape_distance(shape.shape, kinematics.X_WS(shape),
+                                                   {ShapeKind::kBox, state.box, nullptr}, state.X_WO)
+                                        .d);
+    }
+    return -least;
+  };
+  std::vector<ObjectState> states;
+  WholeConfiguration middle;
+  const Path direct = choose({}, states);
+  direct.at(0.5 * direct.duration, middle);
+  const std::pair<Vector3, Vector3> there{{0.3, 0.3, 1.0}, {middle.x(), middle.y(), 0.5}};
+  const double through = [&] {
+    std::vector<ObjectState> box(1);
+    box[0].X_WO.translation() = there.second;
+    box[0].box = there.first;
+    box[0].seen = false;
+    return deepest(direct, box);
+  }();
+  ASSERT_GT(through, 0.1);
+  const Path around = choose({there}, states);
+  EXPECT_LT(deepest(around, states), 0.012) << "map.unseen.around, and what lies between two checks";
+  const Path out = choose({{{9.0, 0.3, 2.0}, {0.0, 1.5, 1.0}},
+                           {{9.0, 0.3, 2.0}, {0.0, -1.5, 1.0}},
+                           {{0.3, 9.0, 2.0}, {1.5, 0.0, 1.0}},
+                           {{0.3, 9.0, 2.0}, {-1.5, 0.0, 1.0}}},
+                          states);
+  EXPECT_GT(deepest(out, states), 0.1);
+}
+
 // A rollout that is too late to arrive ends early, and never one that would have arrived in time.
 TEST_P(Ahead, ARolloutEndsEarlyOnlyWhereItIsTooLate) {
   int late = 0, arrived = 0;
