@@ -205,7 +205,7 @@ TEST(KinematicPlant, FindsTheContactsThatLookingAtEverythingFinds) {
 }
 
 // In both plants: what is carried touches a wall that the hand passes, and, left, is touched by the hand that lowers.
-TEST(CarriedObjects, TouchAndAreTouched) {
+TEST(PlantsThatCarry, ObjectsTouchAndAreTouched) {
   for (const SimulationMode mode : {SimulationMode::kKinematic, SimulationMode::kDynamic}) {
     const auto model = robot("frankie");
     World world = empty_world(*model);
