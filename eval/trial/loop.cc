@@ -148,20 +148,27 @@ void TrialLoop::take_or_leave(const WorldGoal& goal) {
   plant_.carry(carried_);
 }
 
+/// Returns the distance between an object and another one, or the floor (kFloorSupport).
+double TrialLoop::gap_between(int object, int support) const {
+  const auto at = static_cast<std::size_t>(object), k = static_cast<std::size_t>(support);
+  const Shape& shape = world_.objects[at].shape;
+  if (support == kFloorSupport) return lowest_point(shape, objects_[at].X_WO);
+  return shape_distance(shape, objects_[at].X_WO, world_.objects[k].shape, objects_[k].X_WO).d;
+}
+
 /// Returns the solid on which an object stands (Carried::support).
 int TrialLoop::support_of(int object) const {
-  const auto at = static_cast<std::size_t>(object);
-  const Shape& shape = world_.objects[at].shape;
   int support = kNoSupport;
-  double least = std::min(kStands, lowest_point(shape, objects_[at].X_WO));
-  if (least < kStands) support = kFloorSupport;
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (i == at) continue;
-    const double d = shape_distance(shape, objects_[at].X_WO, world_.objects[i].shape, objects_[i].X_WO).d;
-    if (d >= least) continue;
+  double least = kStands;
+  const auto take = [&](int other) {
+    const double d = gap_between(object, other);
+    if (d >= least) return;
     least = d;
-    support = static_cast<int>(i);
-  }
+    support = other;
+  };
+  take(kFloorSupport);
+  for (int i = 0; i < static_cast<int>(objects_.size()); ++i)
+    if (i != object) take(i);
   return support;
 }
 
@@ -170,17 +177,11 @@ void TrialLoop::move_carried() {
   for (const auto& [object, X_WO] : left_) objects_[static_cast<std::size_t>(object)].X_WO = X_WO;
   if (!carried_) return;
   const auto at = static_cast<std::size_t>(carried_->object);
-  const Shape& shape = world_.objects[at].shape;
-  Isometry& X_WO = objects_[at].X_WO;
-  X_WO = kinematics_.X_WE() * carried_->X_EO;
+  objects_[at].X_WO = kinematics_.X_WE() * carried_->X_EO;
   if (carried_->support == kNoSupport) return;
-  const auto k = static_cast<std::size_t>(carried_->support);
-  const double d = carried_->support == kFloorSupport
-                       ? lowest_point(shape, X_WO)
-                       : shape_distance(shape, X_WO, world_.objects[k].shape, objects_[k].X_WO).d;
-  if (d <= kLifted) return;
+  if (gap_between(carried_->object, carried_->support) <= kLifted) return;
   carried_->support = kNoSupport;
-  carry(*hand_, carried_, &shape);
+  carry(*hand_, carried_, &world_.objects[at].shape);
   plant_.carry(carried_);
 }
 

@@ -80,6 +80,7 @@ class TrialLoop {
   void goal_reached();
   void take_or_leave(const WorldGoal& goal);
   void move_carried();
+  double gap_between(int object, int support) const;
   int support_of(int object) const;
   std::string joint_over_limit() const;
   std::string situation();

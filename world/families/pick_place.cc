@@ -137,7 +137,8 @@ bool build(const PickPlace& p, SceneBuilder& builder, World& world) {
   world.goal = goals[0];
   world.further = {take, goals[1], goals[2], leave, goals[3]};
 
-  // What is carried keeps off the robot's other links and all other things; where it is left, `drop` off its block.
+  // The carried object keeps `clearance` from the robot's other links, and objects keep their distance from it; only
+  // its block at the place is nearer, by `drop`.
   const auto clear_of_carried = [&](const Shape& shape, const Isometry& X_W, const Kinematics& at, double distance) {
     return shape_distance(object.shape, at.X_WE() * X_EO, shape, X_W).d > distance;
   };
