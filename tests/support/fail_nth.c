@@ -37,7 +37,8 @@ static int regular(int descriptor) {
   return descriptor > 2 && fstat(descriptor, &found) == 0 && S_ISREG(found.st_mode);
 }
 
-__attribute__((constructor)) static void begin(void) {
+void fail_nth_begin(void);
+__attribute__((constructor)) void fail_nth_begin(void) {
   const char* wanted = getenv("MOMA_FAIL_CALL");
   memory_at = number("MOMA_FAIL_AT");
   memory_on = number("MOMA_FAIL_ON");
