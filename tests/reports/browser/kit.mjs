@@ -109,19 +109,49 @@ const withoutSmoothing = () => {
   HTMLCanvasElement.prototype.getContext = function context(kind, options) { return getContext.call(this, kind, kind.startsWith('webgl') ? { ...options, antialias: false } : options); };
 };
 
+/**
+ * Runs in the page, before its own script: a WebGL that takes every call and draws nothing. The scene is built as ever; its shaders,
+ * which software compiles in half a second, are left to the tests that look at its pixels.
+ */
+const withoutWebGL = () => {
+  const { getContext } = HTMLCanvasElement.prototype;
+  const kinds = WebGL2RenderingContext;
+  const answers = {
+    getParameter: (which) => ({ [kinds.VERSION]: 'WebGL 2.0', [kinds.SHADING_LANGUAGE_VERSION]: 'WebGL GLSL ES 3.00' })[which]
+      ?? ([kinds.VIEWPORT, kinds.SCISSOR_BOX].includes(which) ? [0, 0, 1, 1] : 4096),
+    getProgramParameter: (_, which) => (which === kinds.LINK_STATUS ? true : 0), getShaderParameter: () => true,
+    getShaderPrecisionFormat: () => ({ precision: 23, rangeMin: 127, rangeMax: 127 }), getContextAttributes: () => ({ antialias: false }),
+    checkFramebufferStatus: () => kinds.FRAMEBUFFER_COMPLETE, getSupportedExtensions: () => [], getExtension: () => null,
+  };
+  const nothing = (name) => (name.startsWith('create') ? () => ({}) : name.endsWith('InfoLog') ? () => '' : () => 0);
+  const pretended = (canvas) => new Proxy({ canvas, ...answers }, {
+    get: (target, name) => { if (!(name in target)) target[name] = typeof kinds[name] === 'number' ? kinds[name] : nothing(name); return target[name]; },
+  });
+  HTMLCanvasElement.prototype.getContext = function context(kind, options) { return kind.startsWith('webgl') ? this.pretended ??= pretended(this) : getContext.call(this, kind, options); };
+};
+
 /** Makes the replay's scene a strip: in software every pixel of it is dear. */
 const asStrip = () => document.head.appendChild(Object.assign(document.createElement('style'), { textContent: '.stage { height: 64px !important; width: 96px !important; }' }));
 export const strip = (page) => page.evaluate(asStrip);
 
+/** Runs in the page, before its own script: all of the page counts as near to the window, so that its figures are drawn where nobody scrolls. */
+const asNear = () => {
+  const Observer = window.IntersectionObserver;
+  window.IntersectionObserver = class extends Observer { constructor(call, options) { super(call, { ...options, rootMargin: '100000px' }); } };
+};
+
 /**
- * Opens a page and notes everything it must not do. The replay's scene is a strip unless `scene` asks for what readers see. `idle`: figures that nobody has looked at are drawn, too, when nothing else is to do. `init` runs in the page before its own script.
+ * Opens a page and notes everything it must not do. The replay's scene is a strip unless `scene` asks for what readers see, and drawn with `webgl` alone. `idle`: figures that nobody has looked at are drawn, too, when nothing else is to do. `near`: at once. `init` runs in the page before its own script.
  */
-export const opener = (browser) => async (html, { width = 1280, height = 900, hash = '', scheme = 'light', ratio = 1, touch = false, served = false, scene = process.env.MOMA_SCREENSHOTS !== undefined, idle = false, init, allowed = () => false } = {}) => {
+export const opener = (browser) => async (html, { width = 1280, height = 900, hash = '', scheme = 'light', ratio = 1, touch = false, served = false, scene = process.env.MOMA_SCREENSHOTS !== undefined, webgl = scene, idle = false, near: close = false, init, allowed = () => false } = {}) => {
   const context = await browser.newContext({ viewport: { width, height }, deviceScaleFactor: ratio, hasTouch: touch, offline: !served, colorScheme: scheme, reducedMotion: 'reduce', acceptDownloads: true });
   await context.exposeFunction('drawsNoFrame', beginAnew);
   await context.addInitScript(watchFrames);
-  if (process.env.MOMA_SCREENSHOTS === undefined) await context.addInitScript(withoutSmoothing);
+  if (!webgl) await context.addInitScript(withoutWebGL);
+  else if (process.env.MOMA_SCREENSHOTS === undefined) await context.addInitScript(withoutSmoothing);
+  if (!scene) await context.addInitScript(`addEventListener('DOMContentLoaded', ${asStrip})`);
   if (!idle) await context.addInitScript(() => { window.requestIdleCallback = () => 0; });
+  if (close) await context.addInitScript(asNear);
   if (init !== undefined) await context.addInitScript(init);
   const page = await context.newPage();
   page.setDefaultTimeout(180000);
@@ -130,7 +160,6 @@ export const opener = (browser) => async (html, { width = 1280, height = 900, ha
   page.on('dialog', (dialog) => { check(false, 'a dialog opened'); void dialog.dismiss(); });
   page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url()) && !(served && request.url().startsWith(html))) check(false, `request to ${request.url()}`); });
   await page.goto(served ? `${html}${hash}` : `file://${html}${hash}`);
-  if (!scene) await strip(page);
   await page.waitForSelector('main');   // built after the first paint
   return { context, page };
 };
@@ -184,6 +213,16 @@ export const drawn = (page) => page.evaluate(() => new Promise((done) => { reque
 
 /** Until every figure is drawn or says why it is not. */
 export const figuresStand = (page) => page.waitForFunction(() => [...document.querySelectorAll('.figure .plot')].every((plot) => plot.children.length > 0));
+
+/** The same in a page that was opened as `near`, also after a new size or scheme: until each figure is as wide as its place. */
+export const figuresFollow = async (page) => {
+  await drawn(page);
+  await page.waitForFunction(() => [...document.querySelectorAll('.figure .plot')].every((plot) => {
+    const canvas = plot.querySelector('canvas');
+    return plot.children.length > 0 && (canvas === null || Math.abs(canvas.clientWidth - plot.clientWidth) < 1);
+  }));
+  await drawn(page);   // letters follow in the next frame
+};
 
 /** What a button gives to the reader as a file. */
 export const saved = async (page, button) => {

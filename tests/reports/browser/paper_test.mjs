@@ -126,7 +126,7 @@ for (const [kind, ...more] of [['demo'], ['sweep', 0, '--search'], ['hostile']])
   const store = join(work, 'demo.db');
   makePage(store);
   const data = dataOf(html);
-  const { context, page } = await open(html, { scheme: 'dark', width: 1440 });
+  const { context, page } = await open(html, { scheme: 'dark', width: 1440, webgl: true });
   const pdf = join(work, 'print.pdf');
   await page.pdf({ path: pdf, format: 'A4' });   // without backgrounds, as readers print
   const texts = textsOf(pdf);

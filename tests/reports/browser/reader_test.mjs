@@ -121,7 +121,7 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
 {
   const { ALL_FORMATS, BlobSource, EncodedPacketSink, Input } = packagesOf(source)('mediabunny');
   const shortest = data.replays.map((replay) => replay.trial).reduce((a, b) => (cells.time_end_s[trials.indexOf(a)] < cells.time_end_s[trials.indexOf(b)] ? a : b));
-  const { context, page } = await open(html, { hash: `#trial=${shortest}`, width: 240, height: 500 });
+  const { context, page } = await open(html, { hash: `#trial=${shortest}`, width: 240, height: 500, webgl: true });
   await page.locator('#replay').scrollIntoViewIfNeeded();
   await page.waitForFunction((trial) => document.querySelector('.stage-box')?.dataset.trial === trial, shortest);
   await page.getByLabel('Speed').selectOption('4');
@@ -184,7 +184,7 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
 
 // ---- a phone, light and dark: both controllers, nothing cut off, accessible, as on paper --------------------------------------------------------------
 {
-  const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scene: true });
+  const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scene: true, webgl: false });
   for (const verdict of await page.locator('.verdict').all()) {
     const box = await verdict.boundingBox();
     check(box.y + box.height < 844, `both controllers are on the first screen of a phone: one ends at ${box.y + box.height}`);

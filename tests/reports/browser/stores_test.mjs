@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { statSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { check, drawn, end, launch, legible, needs, noOverflow, noteLetters, opener, scrollThrough, workshop } from './kit.mjs';
+import { check, end, figuresFollow, launch, legible, needs, noOverflow, noteLetters, opener, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 needs('python3', 'pdftotext');
@@ -67,15 +67,13 @@ for (const [kind, { store, most }] of Object.entries(kinds)) {
   const html = makePage(db);
   const megabytes = statSync(html).size / 1e6;
   check(megabytes < most.megabytes, `${kind}: the page is ${megabytes.toFixed(1)} MB`);
-  const { context, page } = await open(html, { init: noteLetters });
+  const { context, page } = await open(html, { near: true, init: noteLetters });
   let drawnAtFirst;
   for (const [width, colorScheme] of views) {
     const what = `${kind}, ${width}, ${colorScheme}`;
-    await page.emulateMedia({ colorScheme });
-    await page.setViewportSize({ width, height: 900 });
+    await Promise.all([page.emulateMedia({ colorScheme }), page.setViewportSize({ width, height: 900 })]);   // figures are drawn once for both
     await page.waitForFunction(([wanted, scheme]) => innerWidth === wanted && document.documentElement.dataset.theme === scheme, [width, colorScheme]);
-    await scrollThrough(page);
-    await drawn(page);
+    await figuresFollow(page);
     await noOverflow(page, what);
     const over = await overlaps(page);
     check(over.length === 0, `${what}: at the head of the page ${over.slice(0, 3)}`);
