@@ -238,18 +238,6 @@ export const saved = async (page, button) => {
   return page.evaluate(() => window.kept.text());
 };
 
-/** Figures are drawn where they are seen, or nearly: brings the window near to all of the page. Each frame of a window in software is dear. */
-export const scrollThrough = async (page) => {
-  await page.evaluate(async () => {
-    const seen = () => new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });   // observers are told at a frame's end
-    for (let y = 0; y < document.documentElement.scrollHeight; y += innerHeight + 400) {   // kMargin of draw_order.ts twice, and some to spare
-      scrollTo({ top: y, behavior: 'instant' });
-      await seen();
-    }
-  });
-  await figuresStand(page);
-};
-
 /** The picture of the scene as it is seen: pixels as [r, g, b]. */
 export const picture = async (page) => {
   await drawn(page);

@@ -5,7 +5,7 @@ import { execFileSync, spawnSync } from 'node:child_process';
 import { existsSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { accessible, check, dataOf, end, figuresStand, launch, near, noOverflow, opener, saved, scrollThrough, workshop } from './kit.mjs';
+import { accessible, check, dataOf, end, figuresFollow, figuresStand, launch, near, noOverflow, opener, saved, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
@@ -234,8 +234,8 @@ const clickMark = async (page, id) => {
 // ---- odd stores -------------------------------------------------------------------------------------------------------
 {
   const html = makePage('hostile', 24);
-  const { context, page } = await open(html);
-  await scrollThrough(page);
+  const { context, page } = await open(html, { near: true });
+  await figuresFollow(page);
   check((await page.title()).startsWith('</script><script>document.title="taken"</script>'), `hostile names are the title's text: ${await page.title()}`);
   check((await page.locator('h1').innerText()).includes('</script><script>'), 'hostile suite shows as text');
   check((await page.locator('.verdict h2').nth(1).innerText()) === 'quo"te\'s & <b>bold</b>', 'hostile controller shows as text');
@@ -246,8 +246,8 @@ const clickMark = async (page, id) => {
   await context.close();
 }
 for (const [kind, worlds] of [['empty', 0], ['failures', 16]]) {
-  const { context, page } = await open(makePage(kind, worlds));
-  await scrollThrough(page);
+  const { context, page } = await open(makePage(kind, worlds), { near: true });
+  await figuresFollow(page);
   for (const width of [1280, 390]) {
     await page.setViewportSize({ width, height: 900 });
     await page.waitForFunction((wanted) => innerWidth === wanted, width);
@@ -352,9 +352,8 @@ if (moma !== undefined) {
 
 if (screenshots !== undefined) {
   for (const [width, scheme] of [[1280, 'light'], [1280, 'dark'], [390, 'light']]) {
-    const { context, page } = await open(demo, { width, scheme });
-    await scrollThrough(page);
-    await page.evaluate(() => scrollTo({ top: 0, behavior: 'instant' }));
+    const { context, page } = await open(demo, { width, scheme, near: true });
+    await figuresFollow(page);
     await page.waitForTimeout(800);
     await page.screenshot({ path: join(screenshots, `report-${width}-${scheme}.png`), fullPage: true });
     await context.close();

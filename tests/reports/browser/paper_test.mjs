@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { check, dataOf, drawn, end, launch, near, needs, opener, saved, scrollThrough, workshop } from './kit.mjs';
+import { check, dataOf, drawn, end, figuresFollow, launch, near, needs, opener, saved, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
 needs('python3', 'rsvg-convert', 'pdftoppm', 'pdftotext', 'pdftocairo', 'pdfimages');
@@ -34,8 +34,8 @@ const open = opener(browser);
 
 // ---- saved figures: SVG that is XML, drawn by another renderer within its borders ---------------------------------------
 for (const [kind, ...more] of [['demo'], ['sweep', 0, '--search'], ['hostile']]) {
-  const { context, page } = await open(makePage(makeStore(kind, kind, kind === 'demo' ? 60 : 12, 2, ...more)));
-  await scrollThrough(page);
+  const { context, page } = await open(makePage(makeStore(kind, kind, kind === 'demo' ? 60 : 12, 2, ...more)), { near: true });
+  await figuresFollow(page);
   const folder = join(work, `figures-${kind}`);
   mkdirSync(folder);
   const svgs = [];

@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { accessible, check, dataOf, drawn, end, figuresStand, launch, noOverflow, opener, packagesOf, saved, scrollThrough, strip, workshop } from './kit.mjs';
+import { accessible, check, dataOf, drawn, end, figuresFollow, figuresStand, launch, noOverflow, opener, packagesOf, saved, strip, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
 const { makeStore, makePage, sql } = workshop(source, makeReport, work);
@@ -143,7 +143,7 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
 
 // ---- Back leads back, lists are one stop of the Tab key, and figures are saved --------------------------------------------------------------
 {
-  const { context, page } = await open(html);
+  const { context, page } = await open(html, { near: true });
   await page.getByRole('navigation').getByText('Failures').click();
   await page.waitForFunction(() => scrollY > 1000);
   await page.locator('.atlas article').first().getByRole('button', { name: 'List' }).click();
@@ -155,7 +155,7 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
   await page.goBack();
   await page.waitForFunction(() => !location.hash.includes('in='));
   check(page.url().startsWith('file:'), 'Back stays within the page');
-  await scrollThrough(page);
+  await figuresFollow(page);
   const stops = await page.evaluate(() => [...document.querySelectorAll('a[href], button, input, select, summary, [tabindex]')].filter((e) => e.tabIndex >= 0 && !e.disabled && e.getClientRects().length > 0).length);
   check(stops < 75, `${stops} stops of the Tab key`);
   await page.locator('.shelf button').first().focus();
@@ -184,12 +184,12 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
 
 // ---- a phone, light and dark: both controllers, nothing cut off, accessible, as on paper --------------------------------------------------------------
 {
-  const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scene: true, webgl: false });
+  const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scene: true, webgl: false, near: true });
   for (const verdict of await page.locator('.verdict').all()) {
     const box = await verdict.boundingBox();
     check(box.y + box.height < 844, `both controllers are on the first screen of a phone: one ends at ${box.y + box.height}`);
   }
-  await scrollThrough(page);
+  await figuresFollow(page);
   await noOverflow(page, 'phone');
   await strip(page);
   for (const scheme of ['light', 'dark']) {
