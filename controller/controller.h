@@ -36,7 +36,7 @@ class Controller : public StepController {
   /// Notifies `clock`, which must outlive the controller or the next call, of the parts of a step; null by default.
   void set_clock(StepClock* clock) noexcept;
 
-  /// The robot with a spare shape for an object in its hand (add_spare_shape()).
+  /// The robot with a spare shape for an object in its hand (with_spare_shape()).
   const RobotModel& model() const noexcept;
   /// Parameters with every vector at its full size.
   const ControllerParams& params() const noexcept;

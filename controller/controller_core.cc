@@ -25,13 +25,10 @@ ControllerParams checked(ControllerParams params, const RobotModel& model, doubl
   return full;
 }
 
-// A copy of the model with a spare shape; null if it has one.
+// Null if the model has a spare shape already.
 std::shared_ptr<RobotModel> with_room(const std::shared_ptr<const RobotModel>& model) {
   if (model == nullptr) throw std::invalid_argument("a controller needs a robot");
-  if (model->spare) return nullptr;
-  auto copy = std::make_shared<RobotModel>(*model);
-  add_spare_shape(*copy);
-  return copy;
+  return model->spare ? nullptr : with_spare_shape(*model);
 }
 
 bool finite(const GoalState& goal) noexcept {

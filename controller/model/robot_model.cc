@@ -72,20 +72,21 @@ std::vector<int> RobotModel::hand_shapes() const {
   return hand;
 }
 
-void add_spare_shape(RobotModel& model) {
+std::shared_ptr<RobotModel> with_spare_shape(const RobotModel& model) {
+  auto out = std::make_shared<RobotModel>(model);
   const int spare = static_cast<int>(model.shapes.size());
   const int hand = model.rigid_root(model.tip);
   for (int i = 0; i < spare; ++i)
-    if (model.rigid_root(model.shape(i).link) != hand) model.self_pairs.push_back({i, spare, true});
-  model.shapes.push_back({"carried", model.tip, {}, model.X_TE, hand == 0, true});
-  model.spare = true;
+    if (model.rigid_root(model.shape(i).link) != hand) out->self_pairs.push_back({i, spare, true});
+  out->shapes.push_back({"carried", model.tip, {}, model.X_TE, hand == 0});
+  out->spare = true;
+  return out;
 }
 
 void carry(RobotModel& model, const std::optional<Carried>& carried, const Shape* shape) noexcept {
   model.carried = carried;
   CollisionShape& spare = model.shapes.back();
-  spare.absent = !carried;
-  if (spare.absent) return;
+  if (!carried) return;
   spare.shape = *shape;
   spare.X_LS = model.X_TE * carried->X_EO;
 }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -86,7 +87,6 @@ struct CollisionShape {
   Shape shape;
   Isometry X_LS = Isometry::Identity();
   bool rigid_with_base = false;  ///< no controlled joint between it and "@base"
-  bool absent = false;           ///< the spare shape of a robot that carries nothing
 };
 
 /// Carried::support of an object that has been lifted clear, and of one that stands on the floor.
@@ -130,10 +130,14 @@ struct RobotModel {
   std::vector<CollisionShape> shapes;
   std::vector<SelfPair> self_pairs;
   std::vector<MountedSensor> sensors;
-  /// True if the last shape is spare: it stands for the carried object (add_spare_shape()).
+  /// True if the last shape is spare: it stands for the carried object (with_spare_shape()).
   bool spare = false;
   std::optional<Carried> carried;
 
+  /// The shapes without a spare one while nothing is carried.
+  std::span<const CollisionShape> present_shapes() const noexcept {
+    return {shapes.data(), shapes.size() - (spare && !carried ? 1 : 0)};
+  }
   const Link& link(int i) const noexcept { return links[static_cast<std::size_t>(i)]; }
   const ControlledJoint& joint(int i) const noexcept { return joints[static_cast<std::size_t>(i)]; }
   const CollisionShape& shape(int i) const noexcept { return shapes[static_cast<std::size_t>(i)]; }
@@ -160,10 +164,9 @@ struct RobotModel {
   }
 };
 
-/// Appends a spare shape, and its self pairs with every shape that is not rigid with E. Only before the robot is
-/// shared.
-void add_spare_shape(RobotModel& model);
-/// Makes the spare shape the carried object, whose geometry is `shape`, or absent. Real-time safe. Whoever owns the
+/// Returns a copy of the robot with a spare shape, and its self pairs with every shape that is not rigid with E.
+std::shared_ptr<RobotModel> with_spare_shape(const RobotModel& model);
+/// Makes the spare shape the carried object, whose geometry is `shape`, or none. Real-time safe. Whoever owns the
 /// model calls it between two uses of the parts that share it.
 void carry(RobotModel& model, const std::optional<Carried>& carried, const Shape* shape) noexcept;
 

@@ -20,8 +20,8 @@ constexpr std::uint64_t kKey = 77;
 double sprawl(const RobotModel& model, const Kinematics& kinematics, const Eigen::Ref<const VectorX>& q) {
   constexpr double kAll = 0.02, kChange = 0.02;
   double farthest = 0.0, sum = 0.0;
-  for (const CollisionShape& shape : model.shapes) {
-    if (shape.rigid_with_base || shape.absent) continue;
+  for (const CollisionShape& shape : model.present_shapes()) {
+    if (shape.rigid_with_base) continue;
     double reach = 0.0;
     for (int k = 0; k < kDirections; ++k) {
       const double angle = 2.0 * std::numbers::pi * k / kDirections;

@@ -145,9 +145,8 @@ void BrakeCheck::choose_candidates() noexcept {
   candidates_.clear();
   groups_.clear();
   const double range = range_of(PairKind::kObject) + kSure;
-  const int shapes = static_cast<int>(model_->shapes.size());
+  const int shapes = static_cast<int>(model_->present_shapes().size());
   for (int i = 0; i < shapes; ++i) {
-    if (model_->shape(i).absent) continue;
     const double enough = range + ways_.most_in_world(i);
     Group group{i, candidates_.size(), 0, kInfinity};
     const double* known = object_bounds_.data() + static_cast<std::size_t>(i) * states_.size();
@@ -167,7 +166,7 @@ void BrakeCheck::choose_candidates() noexcept {
   grouped_ = candidates_.size();
   if (own_.floor > 0.0) {
     for (int i = 0; i < shapes; ++i) {
-      if (model_->shape(i).rigid_with_base || model_->shape(i).absent) continue;
+      if (model_->shape(i).rigid_with_base) continue;
       const double ball = ways_.centre_W(i).z() - ways_.radius(i);
       const double bound = std::max(floor_bounds_[static_cast<std::size_t>(i)], ball);
       if (!(bound >= own_.floor + kSure + ways_.in_height(i, whole_)))
@@ -177,7 +176,7 @@ void BrakeCheck::choose_candidates() noexcept {
   if (own_.self > 0.0) {
     for (std::size_t p = 0; p < self_bounds_.size(); ++p) {
       const SelfPair& pair = model_->self_pairs[p];
-      if (!pair.row || model_->shape(pair.second).absent) continue;
+      if (!pair.row || pair.second >= shapes) continue;
       const double enough = own_.self + kSure + ways_.between(pair.first, pair.second, whole_);
       double bound = self_bounds_[p];
       if (bound >= enough) continue;

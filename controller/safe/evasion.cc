@@ -84,9 +84,8 @@ double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
   kinematics_.place(o.base, o.q);
   const Vector3 origin = kinematics_.X_WB().translation();
   double reach = 0.0, moved = 0.0, turned = 0.0;
-  for (const CollisionShape& shape : model_->shapes)
-    if (!shape.absent)
-      reach = std::max(reach, (kinematics_.X_WS(shape).translation() - origin).norm() + bounding_radius(shape.shape));
+  for (const CollisionShape& shape : model_->present_shapes())
+    reach = std::max(reach, (kinematics_.X_WS(shape).translation() - origin).norm() + bounding_radius(shape.shape));
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
     const Eigen::Index k = ramp_.dof() + i;
     const double speed = std::max(std::abs(o.qdot[k]), std::abs(command[k]));

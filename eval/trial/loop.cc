@@ -36,13 +36,6 @@ void observe(const PlantState& truth, const std::vector<ObjectState>& objects, c
 // An object stands on what is nearer than the first, and is clear of it beyond the second [m].
 constexpr double kStands = 0.01, kLifted = 0.03;
 
-std::shared_ptr<RobotModel> with_room(const RobotModel& model, const World& world) {
-  if (!carries(world)) return nullptr;
-  auto out = std::make_shared<RobotModel>(model);
-  add_spare_shape(*out);
-  return out;
-}
-
 /// The rule for a goal: who passes through it does not dwell.
 DwellRule rule_of(const TrialSpec& spec, const WorldGoal& goal) {
   SuccessRule rule = spec.success;
@@ -62,7 +55,7 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
                      ProfileClock* profile)
     : spec_(spec),
       world_(world),
-      hand_(with_room(*spec.robot->model, world)),
+      hand_(carries(world) ? with_spare_shape(*spec.robot->model) : nullptr),
       model_(hand_ ? *hand_ : *spec.robot->model),
       plant_(plant),
       r_(recording),

@@ -23,15 +23,9 @@ Isometry in_hand() {
   return X;
 }
 
-std::shared_ptr<RobotModel> with_spare(const RobotModel& model) {
-  auto out = std::make_shared<RobotModel>(model);
-  add_spare_shape(*out);
-  return out;
-}
-
 TEST(Carried, IsAShapeOfTheHandAndNoObstacle) {
   const auto plain = load_model("configs/robots/frankie.yaml");
-  const auto model = with_spare(*plain);
+  const auto model = with_spare_shape(*plain);
   const int spare = static_cast<int>(model->shapes.size()) - 1;
   Proximity proximity(model), empty(plain);
   Kinematics kinematics(model), at(plain);
@@ -84,7 +78,7 @@ TEST(Carried, IsAShapeOfTheHandAndNoObstacle) {
 }
 
 TEST(Carried, StandsOnTheFloorUntilItIsLifted) {
-  const auto model = with_spare(*load_model("configs/robots/panda.yaml"));
+  const auto model = with_spare_shape(*load_model("configs/robots/panda.yaml"));
   Proximity proximity(model);
   const std::vector<ObjectShape> shapes{{"ball", make_sphere(0.05)}};
   proximity.set_objects(shapes);
@@ -102,7 +96,7 @@ TEST(Carried, StandsOnTheFloorUntilItIsLifted) {
 
 // Travel bounds follow the shape: no point of it travels farther between two configurations.
 TEST(Carried, TravelsNoFartherThanItsBound) {
-  const auto model = with_spare(*load_model("configs/robots/frankie.yaml"));
+  const auto model = with_spare_shape(*load_model("configs/robots/frankie.yaml"));
   const Shape box = make_box(0.1, 0.2, 0.3);
   const int spare = static_cast<int>(model->shapes.size()) - 1;
   ShapeWays ways(*model);

@@ -30,8 +30,7 @@ std::shared_ptr<const RobotModel> with_carried(const std::shared_ptr<const Robot
   if (now.carried && !carried)
     world.objects[static_cast<std::size_t>(now.carried->object)].X_WO = X_WE * now.carried->X_EO;
   if (!carried) return empty;
-  auto model = std::make_shared<RobotModel>(*empty);
-  add_spare_shape(*model);
+  auto model = with_spare_shape(*empty);
   carry(*model, carried, &world.objects[static_cast<std::size_t>(carried->object)].shape);
   return model;
 }
