@@ -32,7 +32,8 @@ int __libc_start_main(Main* run, int argc, char** argv, Call* init, Call* fini, 
   const char* const socket = getenv("MOMA_READY");
   const int from = socket != NULL ? atoi(socket) : -1;
   while (from >= 0) {
-    if (recv(from, text, sizeof text, 0) <= 0) _exit(0);
+    const ssize_t size = recv(from, text, sizeof text, 0);
+    if (size <= 0 || size == sizeof text) _exit(0);
     const long pid = syscall(SYS_clone, CLONE_PARENT | SIGCHLD, 0, 0, 0, 0);
     if (pid == 0) break;
     const pid_t told = (pid_t)pid;
