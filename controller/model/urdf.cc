@@ -275,19 +275,24 @@ void check_size(const urdf::ModelInterface& model) {
 UrdfTree parse(const std::string& text, UrdfReading reading) {
   Amended amended = amend(text, reading);
   urdf::ModelInterfaceSharedPtr model;
-  {
+  std::string said;
+  // urdfdom takes memory that ran out for a number that it cannot read: once more tells one from the other.
+  for (int attempt = 0; attempt < 2 && (!model || !said.empty()); ++attempt) {
+    if (model) const LoopBreaker former{*model};
     MessageCapture capture;
     try {
       model = urdf::parseURDF(amended.text);
+      said = capture.text();
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& e) {
-      throw UrdfError(e.what() + (capture.text().empty() ? std::string() : "; " + capture.text()));
+      model = nullptr;
+      said = e.what() + (capture.text().empty() ? std::string() : "; " + capture.text());
     }
-    if (!model) throw UrdfError(capture.text().empty() ? "not a valid URDF" : capture.text());
-    // Elements that urdfdom dropped with a message although the checks above passed them.
-    if (!capture.text().empty()) amended.left_out.push_back(capture.text());
   }
+  if (!model) throw UrdfError(said.empty() ? "not a valid URDF" : said);
+  // Elements that urdfdom dropped with a message although the checks above passed them.
+  if (!said.empty()) amended.left_out.push_back(said);
   const LoopBreaker breaker{*model};
   if (reading == UrdfReading::kStrict && !amended.left_out.empty()) refuse(amended.left_out);
   check_size(*model);
