@@ -345,16 +345,21 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
       return;
     }
   }
-  // Nothing is quicker than a direct way. The policy's rows keep more than a path of little clearance has.
+  // Nothing is quicker than a direct way. The policy's rows keep more than a path of little clearance has: another path
+  // may be quicker, but for goals close to an object.
   const bool direct = state_.brief.reason == PlanReason::kDirectWay;
   const bool tight = params_.follow.to_end && state_.path.clearance < params_.clearance;
   // Another path to the goal would need a way on from there again.
   const bool late = path.passes() && rest < params_.decisions.pass_rest;
-  const bool due = !direct && !tight && !late && (state_.steps >= state_.next || news_);
+  const bool due = !direct && !(tight && path.close()) && !late && (state_.steps >= state_.next || news_);
   const bool may_go_on = job_ == Job::kNone || job_ == Job::kGoOn || job_ == Job::kPass;
   if (may_go_on && !stuck() && work_onward(o, budget)) return;
   if (job_ == Job::kNone && !due && !stuck()) return;
   if (job_ != Job::kPredict && !path.close() && !stuck() && work_way(o, rest, budget)) return;
+  if (tight && !stuck()) {
+    state_.next = state_.steps + periods(params_.period);
+    return;
+  }
   const double arrival = rest + params_.settle;
   if (!predict(o, EscapeState{}, std::min(params_.horizon, arrival), budget)) return;
   state_.next = state_.steps + periods(params_.period);

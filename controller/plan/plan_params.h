@@ -123,6 +123,33 @@ constexpr void describe(auto& v, Of<SearchParams>) {
             .text = "factor on the work from which the last tier keeps half as much on the way"});
 }
 
+/// Routes of a base (plan/route.h) and motion past the corners of a path (plan/smooth_path.h), for robots that drive.
+struct SmoothParams {
+  int routes = 4;
+  double cell = 0.2, near = 0.3;
+  int tries = 20;
+  double early = 0.5, late = 0.2;
+  double gain = 0.03, slower = 2.0;
+  double aside = 1.0;
+};
+
+constexpr void describe(auto& v, Of<SmoothParams>) {
+  using T = SmoothParams;
+  v.member("routes", &T::routes,
+           in_range({0.0, 1000.0}, "", "routes of the base with its arm tucked, tried before a search; 0: none"));
+  v.member("cell", &T::cell, in_range({0.02, 10.0}, "m", "distance between neighbouring places of a route"));
+  v.member("near", &T::near, positive("m", "distance from a goal configuration's place at which a route ends"));
+  v.member("tries", &T::tries,
+           in_range({0.0, 1e4}, "", "motions tried past the corners of a path; 0: it stops at each"));
+  v.member("early", &T::early, non_negative("s", "time before a corner at which the robot turns to the next one"));
+  v.member("late", &T::late, non_negative("s", "the same where that is not free, before it stops at the corner"));
+  v.member("gain", &T::gain, non_negative("s", "time by which a further motion is quicker"));
+  v.member("slower", &T::slower,
+           in_range({1.0, 100.0}, "1", "a first motion may take so many times what counts: further ones shorten it"));
+  v.member("aside", &T::aside,
+           non_negative("rad or m", "largest change of a joint that makes up for the heading of the base"));
+}
+
 /// Following of a path (plan/follow.h, qp/pose.h).
 struct FollowParams {
   double heading = 0.4, joint = 0.3;
@@ -228,6 +255,7 @@ struct PlanParams {
   DirectWayParams direct_way = {};
   WholeBodyIkParams ik = {};
   SearchParams search = {};
+  SmoothParams smooth = {};
   FollowParams follow = {};
   DecisionParams decisions = {};
 };
@@ -269,6 +297,7 @@ constexpr void describe(Visitor& v, Of<PlanParams>) {
   v.member("direct_way", &T::direct_way, later("the way without a corner at a motion's start"));
   v.member("ik", &T::ik, later("inverse kinematics of base and arm"));
   v.member("search", &T::search, later("the search for a path"));
+  v.member("smooth", &T::smooth, later("routes of a base, and motion past the corners of a path"));
   v.member("follow", &T::follow, later("following a path"));
   v.member("decisions", &T::decisions, later("when to predict, choose, follow, and give a path up"));
 }

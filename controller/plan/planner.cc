@@ -48,13 +48,16 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
       position_(params.escape.position),
       orientation_(params.escape.orientation),
       goal_clearance_(*model),
-      upright_share_(params.upright.plan) {
+      upright_share_(params.upright.plan),
+      route_(*limits_, params_),
+      smooth_(*limits_, params_, space_, ik_) {
   // Some links are nearer to each other than that in every configuration.
   WholeConfiguration ready = WholeConfiguration::Zero(3 + model->num_joints());
   ready.tail(model->num_joints()) = model->ready;
   space_.set_clearances(least_, ready);
   least_ = space_.clearances();
   least_.object = least_of(params.collision.object, params.plan.clearance);
+  corners_.reserve(SmoothPath::kMostCorners);
   goals_.reserve(static_cast<std::size_t>(params_.search.goals * params_.ik_enough));
   tiers_.fill(space_.keeps());
 }
@@ -174,6 +177,9 @@ void Planner::work() noexcept {
     case PlanStage::kGoals:
       try_goal();
       break;
+    case PlanStage::kRoute:
+      route();
+      break;
     case PlanStage::kSearch:
       switch (search_.advance(space_, draws_)) {
         case SearchProgress::kMore:
@@ -201,6 +207,9 @@ void Planner::work() noexcept {
       break;
     case PlanStage::kLay:
       lay();
+      break;
+    case PlanStage::kSmooth:
+      if (!smooth_.work()) end_smooth();
       break;
     case PlanStage::kIdle:
     case PlanStage::kFound:
@@ -312,9 +321,16 @@ void Planner::begin_search() noexcept {
   // Insertion sort: stable, without allocation, for few goals.
   for (std::size_t i = 1; i < goals_.size(); ++i)
     for (std::size_t j = i; j > 0 && before(goals_[j], goals_[j - 1]); --j) std::swap(goals_[j], goals_[j - 1]);
+  longest_ = within_ < kAnyLength ? within_ * limits_->linear : kAnyLength;
+  if (smooths() && params_.smooth.routes > 0)
+    begin_route();
+  else
+    begin_runs();
+}
+
+void Planner::begin_runs() noexcept {
   search_end_ = counts_.checks + static_cast<long>(effort_) * tier_checks();
   run_ = 0;
-  longest_ = within_ < kAnyLength ? within_ * limits_->linear : kAnyLength;
   begin_run();
 }
 
@@ -339,9 +355,7 @@ void Planner::begin_run() noexcept {
   const bool goes_on = goes_on_ && run_ == 1 && std::any_of(goals.begin(), goals.end(), rooted);
   if (!goes_on)
     for (GoalConfiguration& goal : goals_) goal.rooted = false;
-  search_.begin({start_, X_WG_.translation().head<2>(), goals, params_.roots, &tuck_,
-                 tier_ == 0 ? params_.search.roomy_beyond : params_.search.beyond, longest_},
-                goes_on);
+  search_.begin({start_, X_WG_.translation().head<2>(), goals, params_.roots, &tuck_, beyond(), longest_}, goes_on);
   stage_ = PlanStage::kSearch;
 }
 
@@ -365,6 +379,10 @@ void Planner::take_edges() noexcept {
 
 void Planner::hurry() noexcept {
   run_ = params_.runs;
+  if (stage_ == PlanStage::kSmooth) {
+    smooth_.finish();
+    end_smooth();
+  }
   if (best_.empty() || (stage_ != PlanStage::kShorten && stage_ != PlanStage::kSearch)) return;
   if (stage_ == PlanStage::kShorten) take_edges();
   end_tier();
@@ -402,9 +420,7 @@ void Planner::lay() noexcept {
       stage_ = PlanStage::kFailed;
       return;
     }
-    path_.X_WG = X_WG_;
-    path_.clearance = space_.clearances().object;
-    path_.kept_at_goal = space_.kept().at_goal;
+    label_path();
     laid_ = overlap_ > 0.0 ? 0 : static_cast<int>(braking_.time / kMoment);
   }
   constexpr int kAtOnce = 16;
@@ -423,9 +439,61 @@ void Planner::lay() noexcept {
       return;
     }
     if (t >= path_.duration) {
-      stage_ = PlanStage::kFound;
+      begin_smooth();
       return;
     }
+  }
+}
+
+// The path that stops at each corner counts until there is a quicker one.
+void Planner::begin_smooth() noexcept {
+  stage_ = PlanStage::kFound;
+  if (!smooths()) return;
+  corners_.clear();
+  corners_.push_back(best_[0].a);
+  for (const Edge& edge : best_.all()) corners_.push_back(edge.b);
+  routes_ = 0;
+  smooth_.begin(corners_, braking_, std::min(path_.duration, within_));
+  stage_ = PlanStage::kSmooth;
+}
+
+void Planner::end_smooth() noexcept {
+  stage_ = PlanStage::kFound;
+  if (smooth_.found()) {
+    path_ = smooth_.path();
+    label_path();
+  } else if (routes_ > 0) {
+    stage_ = PlanStage::kRoute;
+    if (routes_ == params_.smooth.routes) begin_runs();
+  }
+}
+
+void Planner::label_path() noexcept {
+  path_.X_WG = X_WG_;
+  path_.clearance = space_.clearances().object;
+  path_.kept_at_goal = space_.kept().at_goal;
+}
+
+void Planner::begin_route() noexcept {
+  const Vector2 a = start_.head<2>(), b = X_WG_.translation().head<2>();
+  route_.begin(start_, std::span(goals_).first(static_cast<std::size_t>(counts_.goals)), tuck_,
+               a.cwiseMin(b).array() - beyond(), a.cwiseMax(b).array() + beyond());
+  routes_ = 0;
+  stage_ = PlanStage::kRoute;
+}
+
+void Planner::route() noexcept {
+  switch (route_.advance(space_)) {
+    case Route::Progress::kMore:
+      break;
+    case Route::Progress::kFound:
+      ++routes_;
+      smooth_.begin(route_.corners(), braking_, within_);
+      stage_ = PlanStage::kSmooth;
+      break;
+    case Route::Progress::kNone:
+      begin_runs();
+      break;
   }
 }
 

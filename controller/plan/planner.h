@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "controller/plan/path.h"
+#include "controller/plan/route.h"
 #include "controller/plan/search.h"
+#include "controller/plan/smooth_path.h"
 #include "controller/plan/whole_body_ik.h"
 
 namespace moma {
 
 /// Stage of a plan.
-enum class PlanStage { kIdle, kGoals, kSearch, kShorten, kLay, kFound, kFailed };
+enum class PlanStage { kIdle, kGoals, kRoute, kSearch, kShorten, kLay, kSmooth, kFound, kFailed };
 
 /// Directions that a goal leaves free (GoalState::free), and its axes, in which places along them lie.
 struct FreeDirections {
@@ -36,9 +38,16 @@ struct PlanCounts {
 /// 1. Whole-body inverse kinematics give goal configurations that the controller's rows admit (whole_body_ik.h), the
 ///    cheapest first. Each counts from the first tier on in which it is free. Of a goal with free directions every
 ///    second try draws these.
-/// 2. A search gives edges to one of them (search.h), and shortcuts shorten them (shorten.h). Each further run searches
-///    the ellipse in which a quicker way can lie. The quickest counts.
-/// 3. A path overlaps the motions of the edges if half the clearances hold, otherwise it runs them in turn (path.h).
+/// 2. Routes of the base with its arm tucked lead to some of them (route.h). The first of these on which the robot
+/// moves
+///    freely from the start to the goal counts (smooth_path.h).
+/// 3. Otherwise a search gives edges to one of them (search.h), and shortcuts shorten them (shorten.h). Each further
+/// run
+///    searches the ellipse in which a quicker way can lie. The quickest counts.
+/// 4. A path overlaps the motions of the edges if half the clearances hold, otherwise it runs them in turn (path.h). It
+///    gives way to one past its corners that is quicker (smooth_path.h).
+///
+/// Routes and paths past corners are those of robots that drive, to goals that are not close to an object.
 ///
 /// Tiers: the plan keeps the roomy clearance first, then the smaller one, then a share of that, with a closer approach
 /// to the goal and less room to joint limits. If the hand is nearer to an object at the goal than the clearance, the
@@ -99,11 +108,20 @@ class Planner {
   long tier_checks() const noexcept;
   int last_tier() const noexcept;
   bool within_rows(const WholeConfiguration& c) noexcept;
+  void begin_runs() noexcept;
   void begin_run() noexcept;
   void end_run(bool found) noexcept;
   void take_edges() noexcept;
   void end_tier() noexcept;
   void lay() noexcept;
+  void label_path() noexcept;
+  /// True for a path past its corners: of a robot that drives, to a goal that is not close to an object.
+  bool smooths() const noexcept { return limits_->mobile() && !close_goal() && params_.smooth.tries > 0; }
+  double beyond() const noexcept { return tier_ == 0 ? params_.search.roomy_beyond : params_.search.beyond; }
+  void begin_route() noexcept;
+  void route() noexcept;
+  void begin_smooth() noexcept;
+  void end_smooth() noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   PlanParams params_;
@@ -146,6 +164,10 @@ class Planner {
   double overlap_ = 0.0;
   int laid_ = 0;  // moments of the path that are known to be clear
   Path path_;
+  Route route_;
+  int routes_ = 0;  // tried in this tier; 0 while a search's path becomes smooth
+  SmoothPath smooth_;
+  std::vector<WholeConfiguration> corners_;
   PlanCounts counts_;
 };
 

@@ -363,7 +363,7 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Scene scene = !model->mobile() ? make_scene(model, seed, 12) : behind_a_wall(model, seed);
     ControllerParams params = read_params(*model, true);
-    if (seed == 1) params.plan.budget = 100;  // so little that the robot comes to stand while it chooses
+    if (seed == 1) params.plan.budget = 20;  // so little that the robot comes to stand while it chooses
     Loop loop(model, params, scene);
     ControllerCore other(model, params, kPeriod);
     other.reset(scene.shapes);

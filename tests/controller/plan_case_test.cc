@@ -67,7 +67,7 @@ TEST(PlanCase, AStepIsRepeatedBitForBitInEveryMode) {
   std::map<PlanMode, int> modes;
   int going_on = 0, passing = 0;
   for (const std::string controller : {"moma-ahead.yaml", "moma.yaml"}) {
-    for (const int budget : {100, 900}) {
+    for (const int budget : {30, 900}) {
       ControlCase c = ahead_case(controller);
       c.controller.plan.budget = budget;
       Drive drive(c, 1, budget == 900);

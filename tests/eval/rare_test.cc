@@ -409,7 +409,9 @@ TEST_F(Shrinks, ToTheGoalOnWhoseWayItFailed) {
     request.trial = key;
     const Shrunk small = shrink(request);
     ++hits;
-    EXPECT_LE(static_cast<double>(small.world.further.size()), before.goals_reached) << key;
+    // A smaller world may fail on the way to a later goal than the whole one.
+    EXPECT_LE(static_cast<double>(small.world.further.size()), std::max(before.goals_reached, small.row.goals_reached))
+        << key;
     EXPECT_TRUE(goal_of(small.world, small.world.further.size()).stop);
     EXPECT_EQ(small.row.object, before.object);
     if (hits == 4) break;
