@@ -4,14 +4,12 @@
 #include <cmath>
 
 #include "controller/plan/steered_drive.h"
-#include "controller/safe/braking.h"
 
 namespace moma {
 namespace {
 
-constexpr double kTick = 0.02;  // of the simulation [s]
-constexpr int kMostTicks = 1000;
-constexpr int kTicksOfACheck = 20;    // are simulated in the time of a check
+constexpr int kMostSimulated = 1000;
+constexpr int kStepsOfACheck = 20;    // are simulated in the time of a check
 constexpr int kTriangles = 42;        // a plan's motions but two (path.h)
 constexpr double kThere = 0.003;      // distance of what is reached [m, rad]
 constexpr double kNoSteering = 0.05;  // distance from which on the base does not steer any more [m]
@@ -24,13 +22,9 @@ constexpr double kMostLeft = 0.15;    // change of a joint that the last simulat
 constexpr double kLeaveOut = 0.6;     // share of variations of a corner that leave it out
 constexpr double kCheckSteps = 0.7;   // way between two checks: velocities are not even
 
-double toward(double now, double wanted, double acceleration) noexcept {
-  return now + std::clamp(wanted - now, -acceleration * kTick, acceleration * kTick);
-}
-
-// Speed with which `room` is not overrun in steps.
+// Speed with which a motion stops within `room`, and does not overrun it in a step.
 double slowing(double room, double deceleration) noexcept {
-  return std::min(stoppable_speed(room, deceleration, 0.5 * kTick), room / kTick);
+  return std::min(stopping(room, deceleration), room / kDriveStep);
 }
 
 }  // namespace
@@ -40,8 +34,8 @@ SmoothPath::SmoothPath(const MotionLimits& limits, const PlanParams& params, Fre
   corners_.reserve(kMostCorners);
   best_.reserve(kMostCorners);
   const WholeConfiguration zero = WholeConfiguration::Zero(3 + limits.num_joints());
-  places_.resize(kMostTicks + 1, zero);
-  targets_.resize(kMostTicks + 1, 0);
+  places_.resize(kMostSimulated + 1, zero);
+  targets_.resize(kMostSimulated + 1, 0);
   start_ = {zero, zero};
   arm_end_ = VectorX::Zero(limits.num_joints());
 }
@@ -83,7 +77,7 @@ bool SmoothPath::work() noexcept {
   WholeConfiguration before, c;
   path_.at(checked_, before);
   for (int k = 0; k < kAtOnce;) {
-    checked_ = std::min(checked_ + kTick, path_.duration);
+    checked_ = std::min(checked_ + kDriveStep, path_.duration);
     path_.at(checked_, c);
     const WholeConfiguration way = (c - before).cwiseAbs();
     const double moved = way.head<2>().norm() + limits_.base_lever * way[2] + way.tail(joints).dot(limits_.lever);
@@ -107,7 +101,7 @@ bool SmoothPath::work() noexcept {
 
 // Lets the robot pass one of the two corners that it is between later: the nearer one in time, if that is possible.
 void SmoothPath::tighten(double t) noexcept {
-  const int i = std::clamp(static_cast<int>(t / kTick), 1, steps_), next = targets_[static_cast<std::size_t>(i)];
+  const int i = std::clamp(static_cast<int>(t / kDriveStep), 1, steps_), next = targets_[static_cast<std::size_t>(i)];
   int first = i, last = i;
   while (first > 1 && targets_[static_cast<std::size_t>(first - 1)] == next) --first;
   while (last < steps_ && targets_[static_cast<std::size_t>(last + 1)] == next) ++last;
@@ -149,7 +143,7 @@ bool SmoothPath::aim() noexcept {
     arm_end_ = last.c.tail(joints);
     bool reached = true;
     for (const double aside : {params_.smooth.aside, kMostLeft}) {
-      if (!simulate() || !(steps_ * kTick < most)) return false;
+      if (!simulate() || !(steps_ * kDriveStep < most)) return false;
       WholeConfiguration c = at_;
       c.tail(joints) = arm_end_;
       reached = ik_.solve(space_, X_WE_, c, false);
@@ -205,13 +199,13 @@ bool SmoothPath::simulate() noexcept {
     turned_ = !stops;
     if (stops) u_.setZero();
   }
-  space_.charge(1 + steps_ / kTicksOfACheck);
+  space_.charge(1 + steps_ / kStepsOfACheck);
   return goes && steps_ > 0;
 }
 
 // Adds the robot's place to the motion. False if it cannot hold more.
 bool SmoothPath::log() noexcept {
-  if (steps_ == kMostTicks) return false;
+  if (steps_ == kMostSimulated) return false;
   ++steps_;
   places_[static_cast<std::size_t>(steps_)] = at_;
   targets_[static_cast<std::size_t>(steps_)] = target_;
@@ -221,11 +215,11 @@ bool SmoothPath::log() noexcept {
 bool SmoothPath::brake() noexcept {
   if (braking_.time <= 0.0) return true;
   const Trapezoid fall{braking_.time, 0.0, braking_.time};
-  const int ticks = static_cast<int>(std::ceil(braking_.time / kTick));
+  const int steps = static_cast<int>(std::ceil(braking_.time / kDriveStep));
   target_ = 1;
   bool goes = true;
-  for (int i = 1; goes && i <= ticks; ++i) {
-    at_ = start_.c + fall.part(braking_.time * i / ticks) * (corners_.front().c - start_.c);
+  for (int i = 1; goes && i <= steps; ++i) {
+    at_ = start_.c + fall.part(braking_.time * i / steps) * (corners_.front().c - start_.c);
     goes = log();
   }
   u_.setZero();
@@ -235,10 +229,10 @@ bool SmoothPath::brake() noexcept {
 bool SmoothPath::follow_edge(const WholeConfiguration& end) noexcept {
   const WholeConfiguration from = at_;
   make_edge(limits_, from, end, edge_);
-  const int ticks = static_cast<int>(std::ceil(edge_.time / kTick));
+  const int steps = static_cast<int>(std::ceil(edge_.time / kDriveStep));
   bool goes = true;
-  for (int i = 1; goes && i <= ticks; ++i) {
-    edge_at(limits_, edge_, edge_.time * i / ticks, at_);
+  for (int i = 1; goes && i <= steps; ++i) {
+    edge_at(limits_, edge_, edge_.time * i / steps, at_);
     goes = log();
   }
   return goes;
@@ -278,12 +272,12 @@ bool SmoothPath::arrived(const ToGo& rest, bool turns) const noexcept {
          (!turns || std::abs(rest.off) < kThere);
 }
 
-// Moves the robot for a tick.
+// Moves the robot for a step.
 void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stops, bool turns) noexcept {
   const int joints = limits_.num_joints();
   const double off = std::abs(rest.off);
   const WholeConfiguration before = u_;
-  double time = std::max(kTick, rest.arm), v = 0.0, omega = 0.0;
+  double time = std::max(kDriveStep, rest.arm), v = 0.0, omega = 0.0;
   if (!limits_.base->nonholonomic()) {
     time = std::max(time, rest.base);
     double rate = 1.0 / time;
@@ -291,9 +285,9 @@ void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stop
       rate = std::min(rate, slowing(rest.distance, limits_.linear_acceleration) / rest.distance);
     if (stops && off > 0.0) rate = std::min(rate, slowing(off, limits_.angular_acceleration) / off);
     Vector2 by = rate * rest.way - u_.head<2>();
-    by *= std::min(1.0, limits_.linear_acceleration * kTick / std::max(by.norm(), 1e-12));
+    by *= std::min(1.0, limits_.linear_acceleration * kDriveStep / std::max(by.norm(), 1e-12));
     u_.head<2>() += by;
-    u_[2] = toward(u_[2], rate * rest.off, limits_.angular_acceleration);
+    u_[2] = ramped(u_[2], rate * rest.off, limits_.angular_acceleration);
   } else {
     if (!base_there_) {
       turned_ = turned_ || off < kAligned;
@@ -306,9 +300,9 @@ void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stop
     }
     if (base_there_ ? turns : rest.distance > kNoSteering)
       omega = std::copysign(std::min(limits_.angular, slowing(off, limits_.angular_acceleration)), rest.off);
-    u_[2] = toward(u_[2], omega, limits_.angular_acceleration);
+    u_[2] = ramped(u_[2], omega, limits_.angular_acceleration);
     v = std::min(v, std::max(0.0, limits_.rim_speed - limits_.half_track * std::abs(u_[2])));
-    u_[0] = toward(u_[0], direction_ * v, limits_.linear_acceleration);
+    u_[0] = ramped(u_[0], direction_ * v, limits_.linear_acceleration);
   }
   double rate = 1.0 / time;
   for (int i = 0; stops && i < joints; ++i) {
@@ -316,8 +310,8 @@ void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stop
     if (e > 0.0) rate = std::min(rate, slowing(e, limits_.joint_acceleration[i]) / e);
   }
   for (int i = 0; i < joints; ++i)
-    u_[3 + i] = toward(u_[3 + i], rate * (c[3 + i] - at_[3 + i]), limits_.joint_acceleration[i]);
-  WholeConfiguration way = 0.5 * kTick * (before + u_);
+    u_[3 + i] = ramped(u_[3 + i], rate * (c[3 + i] - at_[3 + i]), limits_.joint_acceleration[i]);
+  WholeConfiguration way = 0.5 * kDriveStep * (before + u_);
   if (limits_.base->nonholonomic()) {
     const double middle = at_[2] + 0.5 * way[2];
     way.head<2>() = way[0] * Vector2(std::cos(middle), std::sin(middle));
@@ -328,9 +322,9 @@ void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stop
 // Makes triangles of the motion between even times: each leads on as far as the motion does in the middle half of its
 // time, so that no error adds up and none exceeds an acceleration. What the ends leave is spread over the whole time.
 void SmoothPath::lay() noexcept {
-  const double time = steps_ * kTick, spacing = time / (kTriangles + 1);
+  const double time = steps_ * kDriveStep, spacing = time / (kTriangles + 1);
   const auto place = [&](double t) -> WholeConfiguration {
-    const double step = t / kTick;
+    const double step = t / kDriveStep;
     const auto k = std::min(static_cast<std::size_t>(step), static_cast<std::size_t>(steps_ - 1));
     return places_[k] + (step - static_cast<double>(k)) * (places_[k + 1] - places_[k]);
   };

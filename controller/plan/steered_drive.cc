@@ -3,22 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "controller/safe/braking.h"
-
 namespace moma {
 namespace {
 
-constexpr double kStep = 0.02;   // of the simulation [s]
 constexpr double kAhead = 0.05;  // distance below which the base does not steer any more [m]
 constexpr double kCrawl = 0.02;  // least speed up to the point [m/s]
-constexpr int kMostSteps = static_cast<int>(SteeredDrive::kMostTime / kStep);
-
-double ramped(double now, double wanted, double acceleration) noexcept {
-  return now + std::clamp(wanted - now, -acceleration * kStep, acceleration * kStep);
-}
-
-// A speed that is ramped down in steps covers half a step more than one that falls evenly.
-double stopping(double room, double deceleration) noexcept { return stoppable_speed(room, deceleration, 0.5 * kStep); }
+constexpr int kMostSteps = static_cast<int>(SteeredDrive::kMostTime / kDriveStep);
 
 }  // namespace
 
@@ -41,7 +31,7 @@ bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const V
     }
     const Vector2 to = point - at.head<2>();
     const double distance = to.norm();
-    if (passing != nullptr && (distance < passing->reach || steps * kStep >= passing->until)) break;
+    if (passing != nullptr && (distance < passing->reach || steps * kDriveStep >= passing->until)) break;
     const Vector2 heading = direction * Vector2(std::cos(at.z()), std::sin(at.z()));
     const double along = heading.dot(to), across = heading.x() * to.y() - heading.y() * to.x();
     there = there || (passing == nullptr && (distance < kReached || (distance < kAhead && along <= 0.0)));
@@ -58,12 +48,12 @@ bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const V
     omega = ramped(omega, turn, limits.angular_acceleration);
     v = ramped(v, std::min(wanted, std::max(0.0, limits.rim_speed - limits.half_track * std::abs(omega))),
                limits.linear_acceleration);
-    const double middle = at.z() + 0.5 * omega * kStep;
-    at += kStep * Vector3(direction * v * std::cos(middle), direction * v * std::sin(middle), omega);
+    const double middle = at.z() + 0.5 * omega * kDriveStep;
+    at += kDriveStep * Vector3(direction * v * std::cos(middle), direction * v * std::sin(middle), omega);
     speeds[static_cast<std::size_t>(++steps)] = {direction * v, omega};
   }
   if (steps == 0) return true;
-  time_ = steps * kStep;
+  time_ = steps * kDriveStep;
   spacing_ = time_ / (kNodes + 1);
   speed_[0] << now[0] * std::cos(from.z()), now[0] * std::sin(from.z()), now[1];
   end_.head<2>() += 0.5 * spacing_ * speed_[0].head<2>();

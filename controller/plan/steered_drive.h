@@ -1,11 +1,27 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "controller/plan/path.h"
+#include "controller/safe/braking.h"
 
 namespace moma {
+
+/// Step of simulated drives [s].
+inline constexpr double kDriveStep = 0.02;
+
+/// Returns the velocity after a step from `now` towards `wanted`.
+inline double ramped(double now, double wanted, double acceleration) noexcept {
+  return now + std::clamp(wanted - now, -acceleration * kDriveStep, acceleration * kDriveStep);
+}
+
+/// Returns the speed from which a motion that is ramped down in steps stops within `room`: it covers half a step more
+/// than one that falls evenly.
+inline double stopping(double room, double deceleration) noexcept {
+  return stoppable_speed(room, deceleration, 0.5 * kDriveStep);
+}
 
 /// Speeds (v, omega) of a differential base in a motion whose velocities are in W [m/s, rad/s].
 inline Vector2 driving_speeds(const MotionState& motion) noexcept {
