@@ -57,6 +57,7 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
   space_.set_clearances(least_, ready);
   least_ = space_.clearances();
   least_.object = least_of(params.collision.object, params.plan.clearance);
+  static_assert(SmoothPath::kMostCorners == EdgeList::kMost + 1);
   corners_.reserve(SmoothPath::kMostCorners);
   goals_.reserve(static_cast<std::size_t>(params_.search.goals * params_.ik_enough));
   tiers_.fill(space_.keeps());

@@ -9,18 +9,18 @@ namespace moma {
 namespace {
 
 constexpr int kMostSimulated = 1000;
-constexpr int kStepsOfACheck = 20;    // are simulated in the time of a check
-constexpr int kTriangles = 42;        // a plan's motions but two (path.h)
-constexpr double kThere = 0.003;      // distance of what is reached [m, rad]
-constexpr double kNoSteering = 0.05;  // distance from which on the base does not steer any more [m]
-constexpr double kPast = 0.15;        // distance at which a base that turns about a corner gives it up [m]
-constexpr double kSpinning = 0.9;     // share of its angular speed with which it then turns
-constexpr double kAligned = 0.02;     // turned to the next corner, after a stop [rad]
-constexpr double kSlowest = 0.02;     // speed up to a stop [m/s]
-constexpr double kRest = 0.05;        // velocities of a robot that has stopped [m/s, rad/s]
-constexpr double kMostLeft = 0.15;    // change of a joint that the last simulation leaves [rad, m]
-constexpr double kLeaveOut = 0.6;     // share of variations of a corner that leave it out
-constexpr double kCheckSteps = 0.7;   // way between two checks: velocities are not even
+constexpr int kStepsOfACheck = 20;                      // are simulated in the time of a check
+constexpr int kTriangles = Path::kMostMotions / 2 - 2;  // a plan's motions, without those at its ends
+constexpr double kThere = 0.003;                        // distance of what is reached [m, rad]
+constexpr double kNoSteering = 0.05;                    // distance from which on the base does not steer any more [m]
+constexpr double kPast = 0.15;       // distance at which a base that turns about a corner gives it up [m]
+constexpr double kSpinning = 0.9;    // share of its angular speed with which it then turns
+constexpr double kAligned = 0.02;    // turned to the next corner, after a stop [rad]
+constexpr double kSlowest = 0.02;    // speed up to a stop [m/s]
+constexpr double kRest = 0.05;       // velocities of a robot that has stopped [m/s, rad/s]
+constexpr double kMostLeft = 0.15;   // change of a joint that the last simulation leaves [rad, m]
+constexpr double kLeaveOut = 0.6;    // share of variations of a corner that leave it out
+constexpr double kCheckSteps = 0.7;  // way between two checks: velocities are not even
 
 // Speed with which a motion stops within `room`, and does not overrun it in a step.
 double slowing(double room, double deceleration) noexcept {
@@ -212,30 +212,27 @@ bool SmoothPath::log() noexcept {
   return true;
 }
 
-bool SmoothPath::brake() noexcept {
-  if (braking_.time <= 0.0) return true;
-  const Trapezoid fall{braking_.time, 0.0, braking_.time};
-  const int steps = static_cast<int>(std::ceil(braking_.time / kDriveStep));
-  target_ = 1;
-  bool goes = true;
-  for (int i = 1; goes && i <= steps; ++i) {
-    at_ = start_.c + fall.part(braking_.time * i / steps) * (corners_.front().c - start_.c);
-    goes = log();
+// Adds a motion of `time` seconds in even steps; `place` sets at_ to where it is at a time.
+template <class Place>
+bool SmoothPath::play(double time, const Place& place) noexcept {
+  const int steps = static_cast<int>(std::ceil(time / kDriveStep));
+  for (int i = 1; i <= steps; ++i) {
+    place(time * i / steps);
+    if (!log()) return false;
   }
+  return true;
+}
+
+bool SmoothPath::brake() noexcept {
+  const Trapezoid fall{braking_.time, 0.0, braking_.time};
+  target_ = 1;
   u_.setZero();
-  return goes;
+  return play(braking_.time, [&](double t) { at_ = start_.c + fall.part(t) * (corners_.front().c - start_.c); });
 }
 
 bool SmoothPath::follow_edge(const WholeConfiguration& end) noexcept {
-  const WholeConfiguration from = at_;
-  make_edge(limits_, from, end, edge_);
-  const int steps = static_cast<int>(std::ceil(edge_.time / kDriveStep));
-  bool goes = true;
-  for (int i = 1; goes && i <= steps; ++i) {
-    edge_at(limits_, edge_, edge_.time * i / steps, at_);
-    goes = log();
-  }
-  return goes;
+  make_edge(limits_, at_, end, edge_);
+  return play(edge_.time, [&](double t) { edge_at(limits_, edge_, t, at_); });
 }
 
 SmoothPath::ToGo SmoothPath::to_go(const WholeConfiguration& c) noexcept {

@@ -62,6 +62,8 @@ class SmoothPath {
   bool aim() noexcept;
   bool simulate() noexcept;
   bool log() noexcept;
+  template <class Place>
+  bool play(double time, const Place& place) noexcept;
   bool brake() noexcept;
   bool follow_edge(const WholeConfiguration& end) noexcept;
   ToGo to_go(const WholeConfiguration& c) noexcept;
