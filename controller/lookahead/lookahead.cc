@@ -138,7 +138,7 @@ void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
 // Begins to look for a direct way from that state, which would be quicker than the policy.
 void Lookahead::look_for_way(double direct_time) noexcept {
   begin(GoingDirect{}, PlanReason::kArrives);
-  if (params_.direct == 0 || traffic_ || !goes_on_safely()) return;
+  if (params_.direct == 0 || !goes_on_safely()) return;
   direct_time -= later_time_;
   begin(GoingOn{predicted_from_ + periods(later_time_), direct_time, false}, PlanReason::kArrives);
   choice_.begin(later_, direct_time, state_.brief.attempts, false);
@@ -162,15 +162,6 @@ void Lookahead::place_end() noexcept {
   WholeConfiguration end;
   state_.path.at(state_.path.duration, end);
   state_.brief.end = shift_.of(end).head<3>();
-}
-
-bool Lookahead::near_mover(const Observation& o) const noexcept {
-  const double range = params_.decisions.traffic;
-  for (const ObjectState& object : o.objects)
-    if (object.visible && in_motion(object) &&
-        (object.X_WO.translation() - o.base).head<2>().squaredNorm() < range * range)
-      return true;
-  return false;
 }
 
 void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3& R_WG) noexcept {
@@ -200,20 +191,23 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   state_.X_WG = o.goal.X_WG;
   state_.has_goal = true;
   int known = 0;
-  bool movers = false;
+  traffic_ = false;
   for (const ObjectState& object : o.objects) {
     // Boxes of a map come and go; the watch over the path looks at each of them.
     known += object.visible && object.box.isZero(0.0) ? 1 : 0;
-    movers = movers || (object.visible && in_motion(object));
+    traffic_ = traffic_ || (object.visible && in_motion(object));
   }
   news_ = news_ || known != state_.known;
   state_.known = known;
   const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
-  traffic_ = movers || goal_moves;
   PlanBrief& brief = state_.brief;
   if (goal_moves && !doing<GoingDirect>()) go_direct(PlanReason::kTraffic, Detours::kCleared);
-  if (movers && !goal_moves) decide_among_traffic();
-  if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !traffic_ && !arrived_)
+  if (const Following* now = doing<Following>(); now && traffic_) {
+    // The policy takes over if moving objects push the robot off its path or hold it up.
+    const bool held_up = state_.steps - now->mark > periods(2.0 * params_.stuck);
+    if (brief.lag > params_.decisions.pushed || held_up) go_direct(PlanReason::kTraffic, Detours::kCleared);
+  }
+  if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !goal_moves && !arrived_)
     begin(SettingOut{}, brief.reason);
   if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
     if (now->chosen)
@@ -230,14 +224,6 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   if (Following* now = doing<Following>()) follow(o, *now);
   anew_ = std::exchange(state_.fresh, false);
   ++state_.steps;
-}
-
-// The policy takes over if moving objects push the robot off its path or hold it up.
-void Lookahead::decide_among_traffic() noexcept {
-  if (doing<SettingOut>()) go_direct(PlanReason::kTraffic, Detours::kKept);
-  const Following* now = doing<Following>();
-  if (now && (state_.brief.lag > params_.decisions.pushed || state_.steps - now->mark > periods(2.0 * params_.stuck)))
-    go_direct(PlanReason::kTraffic, Detours::kCleared);
 }
 
 void Lookahead::follow(const Observation& o, Following& following) noexcept {
@@ -294,10 +280,9 @@ void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
 }
 
 void Lookahead::work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept {
-  const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
   const bool stagnated = escape.stagnations > state_.stagnations;
   state_.stagnations = escape.stagnations;
-  if (traffic_ && (goal_moves || !stagnated || near_mover(o))) {
+  if (o.goal.V_WG_W.norm() >= kStill) {
     job_ = Job::kNone;
     state_.next = state_.steps;
     return;
@@ -358,6 +343,7 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   if (job_ != Job::kPredict && !path.close() && !stuck() && work_way(o, rest, budget)) return;
   if (tight && !stuck()) {
     state_.next = state_.steps + periods(params_.period);
+    news_ = false;
     return;
   }
   const double arrival = rest + params_.settle;
@@ -387,7 +373,7 @@ bool Lookahead::work_way(const Observation& o, double rest, long& budget) noexce
   PlanBrief& brief = state_.brief;
   if (job_ != Job::kSetOut) {
     const double ahead = rate_ * (state_.former ? params_.decisions.way_ahead : goes_on());
-    if (params_.direct == 0 || traffic_ || ahead <= 0.0 || ahead + params_.decisions.way_gain >= rest) return false;
+    if (params_.direct == 0 || ahead <= 0.0 || ahead + params_.decisions.way_gain >= rest) return false;
     look_ahead_on_path(o, ahead);
     const double left = state_.former ? -1.0 : rest - ahead - params_.decisions.way_gain;
     choice_.begin(later_, left, state_.former ? brief.attempts : ++brief.attempts, !state_.former);
@@ -464,9 +450,7 @@ void Lookahead::end_direct_prediction() noexcept {
     look_for_way(time);
 }
 
-bool Lookahead::stuck() noexcept {
-  return state_.steps - doing<Following>()->mark > periods((traffic_ ? 4.0 : 1.0) * params_.stuck);
-}
+bool Lookahead::stuck() noexcept { return state_.steps - doing<Following>()->mark > periods(params_.stuck); }
 
 bool Lookahead::at_end() noexcept {
   const DecisionParams& decisions = params_.decisions;

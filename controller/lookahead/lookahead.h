@@ -74,7 +74,6 @@ class Lookahead {
   Now* doing() noexcept {
     return std::get_if<Now>(&state_.doing);
   }
-  void decide_among_traffic() noexcept;
   void go_direct(PlanReason reason, Detours detours) noexcept;
   void go_on(PlanReason reason, double direct_time) noexcept;
   void look_for_way(double direct_time) noexcept;
@@ -99,7 +98,6 @@ class Lookahead {
   void choose() noexcept;
   bool stuck() noexcept;
   bool at_end() noexcept;
-  bool near_mover(const Observation& o) const noexcept;
   std::int64_t periods(double seconds) const noexcept;
   double goes_on() const noexcept {
     return mobile_ ? params_.decisions.go_on_driving : params_.decisions.go_on_standing;

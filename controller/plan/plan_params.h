@@ -183,7 +183,6 @@ struct DecisionParams {
   double progress = 0.05;
   double pushed = 0.3;
   double meet = 2.0, wait = 0.5;
-  double traffic = 2.5;
   double goal_jump = 0.02, goal_turn = 0.05;
   int close_plans = 4;
   double moved = 0.008, turned = 0.03;
@@ -220,7 +219,6 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("pushed", &T::pushed, non_negative("m", "lag among moving objects at which a path is given up"));
   v.member("meet", &T::meet, positive("s", "time before meeting a moving object at which the path's clock slows down"));
   v.member("wait", &T::wait, non_negative("s", "time before a meeting at which the path's clock stands"));
-  v.member("traffic", &T::traffic, non_negative("m", "range of moving objects among which no choice is made"));
   v.member("goal_jump", &T::goal_jump, positive("m", "motion of the goal between steps that makes it a new goal"));
   v.member("goal_turn", &T::goal_turn, positive("rad", "the same of its orientation"));
   v.member("close_plans", &T::close_plans,

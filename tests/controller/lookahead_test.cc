@@ -505,21 +505,43 @@ TEST_P(Ahead, PassesAGoalOnItsWayToTheNextOne) {
   }
 }
 
-// What moves is the policy's business; a robot in motion without a path has set out already.
-TEST_P(Ahead, DoesNotSetOutInMotionOrAmongWhatMoves) {
+// A moving goal is the policy's business; a robot in motion without a path has set out already.
+TEST_P(Ahead, SetsOutAtRestAndTowardsAGoalAtRest) {
   const Scene scene = make_scene(model, 2, 1);
-  const auto first_mode = [&](double velocity, double mover) {
+  const auto first_mode = [&](double velocity, double mover, double goal) {
     ControllerParams params = read_params(*model, true);
     params.plan.budget = 100;
     Loop loop(model, params, scene);
     loop.o.qdot[model->num_velocities() - 1] = velocity;
     loop.o.objects[0].V_WO_W[3] = mover;
+    loop.o.goal.V_WG_W[3] = goal;
     loop.step();
     return loop.controller.lookahead()->state().brief.mode;
   };
-  EXPECT_EQ(first_mode(0.0, 0.0), PlanMode::kSetOut);
-  EXPECT_EQ(first_mode(0.3, 0.0), PlanMode::kDirect);
-  EXPECT_EQ(first_mode(0.0, 0.2), PlanMode::kDirect);
+  EXPECT_EQ(first_mode(0.0, 0.0, 0.0), PlanMode::kSetOut);
+  EXPECT_EQ(first_mode(0.3, 0.0, 0.0), PlanMode::kDirect);
+  EXPECT_EQ(first_mode(0.0, 0.2, 0.0), PlanMode::kSetOut);
+  EXPECT_EQ(first_mode(0.0, 0.0, 0.2), PlanMode::kDirect);
+}
+
+// Somebody who walks by at a distance does not keep the robot behind the wall.
+TEST_P(Ahead, PlansWhileSomethingMoves) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  Scene scene = behind_a_wall(model, 1);
+  scene.shapes.push_back({"walker", make_box(0.3, 0.3, 1.6)});
+  ObjectState state;
+  state.X_WO.translation() = Vector3(-2.0, -2.0, 0.8);
+  state.V_WO_W[3] = -0.2;
+  scene.states.push_back(state);
+  Loop loop(model, read_params(*model, true), scene);
+  const PlanState& plan = loop.controller.lookahead()->state();
+  bool followed = false;
+  for (int i = 0; i < 200 && !followed; ++i) {
+    loop.step();
+    followed = plan.brief.mode == PlanMode::kFollow;
+  }
+  EXPECT_TRUE(followed) << "mode " << static_cast<int>(plan.brief.mode) << ", reason "
+                        << static_cast<int>(plan.brief.reason);
 }
 
 // However little it may do in a step.
