@@ -119,7 +119,7 @@ TEST_F(Rare, MovedWorldsKeepTheirLawAndFrozenTheyAreTheSame) {
 
 TEST_F(Rare, RiskAgreesWithCrudeTrials) {
   RiskRequest request = this->request(40, 8);
-  request.crude = 2000;
+  request.crude = 1000;
   const Risk risk = estimate_risk(request, suite(), RareEvent::read("clearance_min_m<0.025"));
   ASSERT_EQ(risk.rows.size(), 1u);
   const RiskRow& row = risk.rows.front();
@@ -129,7 +129,7 @@ TEST_F(Rare, RiskAgreesWithCrudeTrials) {
   EXPECT_FALSE(row.refused());
   EXPECT_LT(row.estimate.interval.low, row.crude_interval.high);
   EXPECT_GT(row.estimate.interval.high, row.crude_interval.low);
-  EXPECT_EQ(row.crude_trials, 2000u);
+  EXPECT_EQ(row.crude_trials, 1000u);
   ASSERT_EQ(row.moves.size(), 4u);
   for (const auto& [name, moves] : row.moves) {
     EXPECT_GT(moves.accepted, 0u) << name;
@@ -193,7 +193,7 @@ TEST_F(Rare, RiskIsTheSameForAnyThreadsAndStops) {
 TEST_F(Rare, UntilAddsReplicates) {
   const Suite suite = this->suite();
   const RareEvent event = RareEvent::read("clearance_min_m<0.025");
-  RiskRequest request = this->request(10, 6);
+  RiskRequest request = this->request(6, 6);
   request.crude = 0;
   const Risk six = estimate_risk(request, suite, event);
   request.splitting.replicates = 2;
