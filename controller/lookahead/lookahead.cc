@@ -202,11 +202,8 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
   PlanBrief& brief = state_.brief;
   if (goal_moves && !doing<GoingDirect>()) go_direct(PlanReason::kTraffic, Detours::kCleared);
-  if (const Following* now = doing<Following>(); now && traffic_) {
-    // The policy takes over if moving objects push the robot off its path or hold it up.
-    const bool held_up = state_.steps - now->mark > periods(2.0 * params_.stuck);
-    if (brief.lag > params_.decisions.pushed || held_up) go_direct(PlanReason::kTraffic, Detours::kCleared);
-  }
+  if (doing<Following>() && traffic_ && brief.lag > params_.decisions.pushed)
+    go_direct(PlanReason::kTraffic, Detours::kCleared);
   if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !goal_moves && !arrived_)
     begin(SettingOut{}, brief.reason);
   if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
