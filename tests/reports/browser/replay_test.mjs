@@ -410,13 +410,13 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
   await context.close();
 }
 
-// ---- a controller that looks ahead: its path and its detours on the floor, its reasons in words ---------------------
+// ---- a controller that looks ahead, its path on the floor and its reasons in words; one that makes detours -----------
 if (moma !== undefined) {
   const suite = join(work, 'ahead.yaml');
-  writeFileSync(suite, `name: ahead\nrobot: ${join(source, 'configs/robots/frankie.yaml')}\ncontrollers: {ahead: ${join(source, 'configs/controllers/moma-ahead.yaml')}}\n`
-    + 'worlds: {seed: 4244, families: {clutter: {weight: 1}, moving: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 6\nsamples: all\n');
+  writeFileSync(suite, `name: ahead\nrobot: ${join(source, 'configs/robots/frankie.yaml')}\ncontrollers: {ahead: ${join(source, 'configs/controllers/moma-ahead.yaml')}, reactive: ${join(source, 'configs/controllers/moma-reactive.yaml')}}\n`
+    + 'worlds: {seed: 4244, families: {clutter: {weight: 1}, moving: {weight: 1}}}\nsimulation: {mode: kinematic, time_limit: 8}\ntrials: 4\nsamples: all\n');
   execFileSync(moma, ['run', suite, '-o', join(work, 'ahead.db'), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
-  execFileSync(moma, ['report', join(work, 'ahead.db'), '-o', join(work, 'ahead.html'), '--replays', '6'], { stdio: 'ignore' });
+  execFileSync(moma, ['report', join(work, 'ahead.db'), '-o', join(work, 'ahead.html'), '--replays', '8'], { stdio: 'ignore' });
   const html = join(work, 'ahead.html');
   const { context, page } = await open(html);
   await page.locator('#replay').scrollIntoViewIfNeeded();
@@ -441,7 +441,6 @@ if (moma !== undefined) {
     if (away >= 0) {
       const [shown] = await tellAt(page, i, replay.trial, [times[away]]);
       check(shown.planned === '2', `trial ${replay.trial}: ${shown.planned} places of a detour`);
-      check(/makes a detour/.test(await words.innerText()), `trial ${replay.trial}: ${await words.innerText()}`);
       detours += 1;
     }
   }
