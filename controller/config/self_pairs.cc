@@ -17,6 +17,7 @@ namespace {
 constexpr int kSamples = 1000;
 constexpr double kAlwaysClose = 0.2;  // share of the samples
 constexpr double kRowRange = 0.1;     // [m]
+constexpr double kSame = 1e-6;        // largest difference of distances that no joint changes [m]
 
 VectorX sample(const RobotModel& model, std::mt19937_64& engine) {
   VectorX q(model.num_joints());
@@ -100,21 +101,32 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
 
   Proximity proximity(model);
   const std::vector<SelfPair>& pairs = model->self_pairs;
-  std::vector<bool> touching(pairs.size(), false), near(pairs.size(), false);
+  struct Seen {
+    int near = 0, close = 0;               // samples within kRowRange, and within `stop`
+    double least = kRowRange, most = 0.0;  // distance [m]
+    bool constant() const { return near == kSamples && most - least < kSame; }
+  };
+  std::vector<Seen> seen(pairs.size());
+  std::vector<bool> touching(pairs.size(), false);
   visit_near_pairs(proximity, kinematics, 0.0, [&](std::size_t k, double) { touching[k] = true; });
-  std::vector<int> close(pairs.size(), 0);
   std::mt19937_64 engine(1);
   for (int s = 0; s < kSamples; ++s) {
     kinematics.update(Vector3::Zero(), sample(source, engine));
     visit_near_pairs(proximity, kinematics, kRowRange, [&](std::size_t k, double d) {
-      near[k] = true;
-      if (d < stop) ++close[k];
+      ++seen[k].near;
+      if (d < stop) ++seen[k].close;
+      seen[k].least = std::min(seen[k].least, d);
+      seen[k].most = std::max(seen[k].most, d);
     });
   }
-  std::vector<SelfPair> kept, in_touch, always_close, wrong;
+  std::vector<SelfPair> kept, in_touch, always_close, constant, wrong;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const bool often = close[k] >= kAlwaysClose * kSamples;
-    (touching[k] ? in_touch : often ? always_close : kept).push_back({pairs[k].first, pairs[k].second, near[k]});
+    const bool often = seen[k].close >= kAlwaysClose * kSamples;
+    (touching[k]          ? in_touch
+     : often              ? always_close
+     : seen[k].constant() ? constant
+                          : kept)
+        .push_back({pairs[k].first, pairs[k].second, seen[k].near > 0});
   }
   if (!sliding.empty())
     notes.push_back("self-collision: left out, sliding along one line: " + list_names(source, sliding));
@@ -128,6 +140,9 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
   }
   if (!always_close.empty())
     notes.push_back("self-collision: left out, close in most configurations: " + list_names(source, always_close));
+  // Paths keep as little as their start has, of any pair: this one would lower what they keep of all others.
+  if (!constant.empty())
+    notes.push_back("self-collision: left out, no joint changes their distance: " + list_names(source, constant));
   return kept;
 }
 

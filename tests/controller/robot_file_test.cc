@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
 #include <set>
 
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
+#include "controller/model/sampling.h"
 #include "tests/support/robots.h"
 #include "tests/support/scratch.h"
 
@@ -229,6 +232,35 @@ TEST(RobotFile, ContinuousJointsHaveNoLimits) {
   EXPECT_TRUE(std::isinf(model->joints[4].lower) && std::isinf(model->joints[4].upper));
   const Link& torso = model->links[static_cast<std::size_t>(model->find_link("torso_lift_link"))];
   EXPECT_EQ(torso.held, 0.16825);
+}
+
+// A path keeps as little of its own distance as its start has: a pair that nothing moves would count for all others.
+TEST_P(ShippedRobot, HasNoSelfPairOfConstantDistance) {
+  const config::LoadedRobot robot = config::load_robot(test::source_path(GetParam()));
+  const RobotModel& model = *robot.model;
+  Kinematics kinematics(robot.model);
+  std::mt19937 engine(5);
+  std::vector<double> least(model.self_pairs.size(), 1e9), most(model.self_pairs.size(), -1e9);
+  for (int sample = 0; sample < 40; ++sample) {
+    VectorX q(model.num_joints());
+    for (int i = 0; i < q.size(); ++i) {
+      const auto [lower, upper] = drawn_range(model.joint(i));
+      q[i] = std::uniform_real_distribution(lower, upper)(engine);
+    }
+    kinematics.update(Vector3::Zero(), q);
+    for (std::size_t k = 0; k < least.size(); ++k) {
+      const CollisionShape& a = model.shape(model.self_pairs[k].first);
+      const CollisionShape& b = model.shape(model.self_pairs[k].second);
+      const double d = shape_distance(a.shape, kinematics.X_WS(a), b.shape, kinematics.X_WS(b)).d;
+      least[k] = std::min(least[k], d);
+      most[k] = std::max(most[k], d);
+    }
+  }
+  for (std::size_t k = 0; k < least.size(); ++k) {
+    if (!model.self_pairs[k].row) continue;
+    EXPECT_GT(most[k] - least[k], 1e-3) << model.shape(model.self_pairs[k].first).name << " - "
+                                        << model.shape(model.self_pairs[k].second).name << ": " << least[k] << " m";
+  }
 }
 
 // link1 and link3 of a Panda are never further apart than 26 mm, so that the pair says nothing.
