@@ -193,7 +193,7 @@ TEST_F(Rare, RiskIsTheSameForAnyThreadsAndStops) {
 TEST_F(Rare, UntilAddsReplicates) {
   const Suite suite = this->suite();
   const RareEvent event = RareEvent::read("clearance_min_m<0.025");
-  RiskRequest request = this->request(6, 6);
+  RiskRequest request = this->request(10, 6);
   request.crude = 0;
   const Risk six = estimate_risk(request, suite, event);
   request.splitting.replicates = 2;

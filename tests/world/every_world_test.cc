@@ -73,15 +73,15 @@ std::vector<Case> cases() {
   for (const auto& [robot, count] :
        {std::pair{"frankie", 1000}, {"panda", 1000}, {"frankie_omni", 200}, {"lift_ur5", 200}, {"ur5", 200}})
     for (const FamilyType& type : family_types()) {
-      const bool dear = type.name == "pick-place" || type.name == "crowd";  // to make, ten times as much as others
+      const bool dear = type.name == "pick-place";  // to make, ten times as much as others
       out.push_back({robot, std::string(type.name), std::string(type.name) + ": {}", dear ? count / 5 : count});
     }
   for (const std::string robot : {"frankie", "panda"}) {
     out.push_back({robot, "orbit", orbit});
-    out.push_back({robot, "walk", walk, 300});
+    out.push_back({robot, "walk", walk});
   }
   out.push_back({"frankie", "mixed", "moving: {walk: 0.4, orbit: 0.3, walker: solid}"});
-  out.push_back({"lift_ur5", "walk", walk, 200});
+  out.push_back({"lift_ur5", "walk", walk});
   return out;
 }
 
