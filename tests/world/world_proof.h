@@ -57,7 +57,7 @@ class WorldProof {
     const CollisionShape* shape;
     const char* who;
     Isometry X_WS;
-    double reach;
+    double reach, level_reach;
     double clearance;
   };
 
@@ -66,9 +66,13 @@ class WorldProof {
     witness_.update(world.witness.base, world.witness.q);
     placed_.clear();
     for (const CollisionShape& shape : model_->shapes) {
-      placed_.push_back({&shape, "start ", start_.X_WS(shape), reach(shape.shape), at_start});
-      placed_.push_back({&shape, "witness ", witness_.X_WS(shape), reach(shape.shape), at_witness});
+      add(shape, "start ", start_.X_WS(shape), at_start);
+      add(shape, "witness ", witness_.X_WS(shape), at_witness);
     }
+  }
+
+  void add(const CollisionShape& shape, const char* who, const Isometry& X_WS, double clearance) {
+    placed_.push_back({&shape, who, X_WS, reach(shape.shape), level_reach(shape.shape, X_WS), clearance});
   }
 
   void check_pose(const Kinematics& kinematics, double floor, double self, const char* who) {
@@ -98,10 +102,13 @@ class WorldProof {
       ASSERT_TRUE(X_WO.matrix().allFinite()) << object.name << " at " << t;
       ASSERT_LE((X_WO.translation() - before).norm(), kFastest * steps * step + 1e-9) << object.name << " at " << t;
       before = X_WO.translation();
+      const double level = level_reach(object.shape, X_WO);
       double away = std::numeric_limits<double>::infinity();
       for (const Placed& part : placed_) {
-        // Spheres about both, and a little for rounding.
-        const double gap = (part.X_WS.translation() - before).norm() - part.clearance - part.reach - size;
+        // Spheres or upright cylinders about both, and a little for rounding.
+        const Vector3 way = part.X_WS.translation() - before;
+        const double gap =
+            std::max(way.norm() - part.reach - size, way.head<2>().norm() - part.level_reach - level) - part.clearance;
         away = std::min(away, gap);
         if (gap > 1e-9) continue;
         ASSERT_GE(coal_distance(part.shape->shape, part.X_WS, object.shape, X_WO),
@@ -120,6 +127,12 @@ class WorldProof {
     if (shape.kind == ShapeKind::kSphere) return shape.size.x();
     if (shape.kind == ShapeKind::kBox) return 0.5 * shape.size.norm();
     return shape.size.x() + 0.5 * shape.size.y();
+  }
+  /// Radius of an upright cylinder about it.
+  static double level_reach(const Shape& shape, const Isometry& X) {
+    if (shape.kind == ShapeKind::kSphere) return shape.size.x();
+    if (shape.kind == ShapeKind::kBox) return 0.5 * (X.linear().topRows<2>().cwiseAbs() * shape.size).norm();
+    return shape.size.x() + 0.5 * shape.size.y() * X.linear().col(2).head<2>().norm();
   }
   /// Height of the lowest point, over the sphere of a capsule's or the rim of a cylinder's lower end.
   static double lowest(const Shape& shape, const Isometry& X) {
