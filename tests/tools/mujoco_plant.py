@@ -36,6 +36,8 @@ def arm_of(robot):
 def ramp(current, wanted, limits, h):
     """The base's command follows the wanted one within its linear and its angular acceleration: what it is after a
     step of h seconds, and its mean over the step."""
+    if (current == wanted).all():
+        return current, current
     out, mean = np.array(current), np.array(current)
     for part, most in ((slice(None, -1), limits[0]), (slice(-1, None), limits[1])):
         change = wanted[part] - current[part]
@@ -115,8 +117,8 @@ class MujocoPlant:
     def touching(self):
         """Whether the robot and the object were in contact before the last step: that is what data holds."""
         contact = self.data.contact
-        return (bool(np.any((contact.geom == self.thing).any(axis=1) & (contact.dist < 0.0)))
-                or self.gap_of(self.fixed) < 0.0)
+        touched = self.thing in contact.geom and np.any((contact.geom == self.thing).any(axis=1) & (contact.dist < 0.0))
+        return bool(touched) or self.gap_of(self.fixed) < 0.0
 
     def until_contact(self, commands, thing, period, h, other):
         """Time of first contact with the object or None; the gap at time `other` (infinite where that is None or

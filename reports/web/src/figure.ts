@@ -25,35 +25,33 @@ export function figure(spec: FigureSpec): HTMLElement {
     plot, paper, h('footer', null, note, h('div', { class: 'actions' }, saveSvg, saveCsv)));
   let chart: echarts.ECharts | null = null;
   let started = false;
-  let height = 0;
+  let width = 0;   // of the plot when it was drawn
 
   const draw = (): void => {
     if (!started) return;
     title.textContent = textOf(spec.title);
     caption.textContent = textOf(spec.caption);
-    const drawing = spec.draw(palette(), plot.clientWidth);
+    width = plot.clientWidth;   // asked for once: after changes to the page each answer is a layout
+    const drawing = spec.draw(palette(), width);
     saveSvg.hidden = saveCsv.hidden = drawing === null;
     if (drawing === null) {
       chart?.dispose();
       chart = null;
-      height = 0;
       plot.style.height = 'auto';
       plot.style.minHeight = '0';
       replace(plot, h('p', { class: 'empty' }, spec.empty));
       note.textContent = '';
       return;
     }
-    const wanted = drawing.height ?? 340;
-    if (chart === null) replace(plot);
-    if (wanted !== height) {
-      height = wanted;
-      plot.style.height = `${wanted}px`;
-      plot.style.minHeight = '0';   // no longer the place kept for it
-      chart?.resize();
-    }
+    const height = drawing.height ?? 340;
+    plot.style.height = `${height}px`;
+    plot.style.minHeight = '0';   // no longer the place kept for it
     if (chart === null) {
-      chart = echarts.init(plot, null, { renderer: 'canvas' });
+      replace(plot);
+      chart = echarts.init(plot, null, { renderer: 'canvas', width, height });
       chart.on('click', (event) => spec.click?.(event.data));
+    } else if (chart.getWidth() !== width || chart.getHeight() !== height) {
+      chart.resize({ width, height });
     }
     const series = (drawing.option['series'] as Option[]).map((s) => (spec.click === undefined ? { cursor: 'default', ...s } : s));
     // No animation if the system prefers reduced motion.
@@ -87,13 +85,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     started = true;
     fillControls();
     draw();
-    let width = plot.clientWidth;
-    new ResizeObserver(() => {
-      if (plot.clientWidth === width) return;
-      width = plot.clientWidth;
-      chart?.resize();
-      draw();
-    }).observe(plot);
+    new ResizeObserver(() => { if (plot.clientWidth !== width) draw(); }).observe(plot);
   });
   const redraw = (): void => {
     if (started) drawOrWait(element, () => { fillControls(); draw(); });

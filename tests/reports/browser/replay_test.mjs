@@ -339,7 +339,7 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
   execFileSync(moma, ['run', suite, '-o', join(work, `${name}.db`), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   execFileSync(moma, ['report', join(work, `${name}.db`), '-o', join(work, `${name}.html`)], { stdio: 'ignore' });
   const html = join(work, `${name}.html`);
-  const { context, page } = await open(html, { ratio: name === 'tiago' ? 1 : 2, scheme: name === 'rows' ? 'dark' : 'light', scene: name === 'frankie', webgl: true, ...(name === 'frankie' ? { width: 390, height: 844, touch: true } : {}) });
+  const { context, page } = await open(html, { ratio: name === 'tiago' ? 1 : 2, scheme: name === 'rows' ? 'dark' : 'light', scene: name === 'frankie', webgl: name !== 'rows', ...(name === 'frankie' ? { width: 390, height: 844, touch: true } : {}) });
   await page.locator('#replay').scrollIntoViewIfNeeded();
   // A robot whose URDF has visual meshes is shown as these, or as its shapes.
   const looks = Object.values(dataOf(html).looks);
