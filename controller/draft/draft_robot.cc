@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "controller/config/node.h"
 #include "controller/config/robot_build.h"
@@ -70,7 +71,7 @@ class Lines {
 
 class Drafter {
  public:
-  explicit Drafter(const DraftOptions& options) : options_(options) {}
+  explicit Drafter(const DraftOptions& options) : options_(options), meshes_(options.meshes) {}
 
   Draft draft() {
     read();
@@ -91,7 +92,7 @@ class Drafter {
                    "the URDF has no collision geometry for the arm, so that nothing it does is a collision; "
                    "--fit-shapes makes shapes of its visual meshes");
     const config::LoadedRobot robot = load(lines_.text());
-    return {lines_.text(), robot.warnings, robot.notes, lines_.checks()};
+    return {lines_.text(), robot.warnings, robot.notes, lines_.checks(), std::move(meshes_)};
   }
 
  private:

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "controller/config/mesh_hull.h"
+
 namespace moma::draft {
 
 struct DraftOptions {
@@ -13,6 +15,7 @@ struct DraftOptions {
   /// A robot file's `collision` whose shapes will replace the URDF's: postures are searched with these. Empty: with the
   /// URDF's own. The text of the draft has the URDF's in either case.
   std::string collision = {};
+  config::MeshSolids meshes = {};  ///< solids that are known from an earlier draft
 };
 
 /// The first robot file of a robot.
@@ -20,7 +23,8 @@ struct Draft {
   std::string text;                   ///< YAML; comments of doubtful lines begin with "check"
   std::vector<std::string> warnings;  ///< warnings of the resulting robot
   std::vector<std::string> notes;
-  int checks = 0;  ///< number of doubtful lines
+  int checks = 0;             ///< number of doubtful lines
+  config::MeshSolids meshes;  ///< solids of the URDF's meshes, for whoever reads the robot again
 };
 
 /// Proposes base, tip, limits, posture and shapes from a URDF alone (base_guess.h, arm_guess.h, posture.h), and checks

@@ -6,6 +6,8 @@
 #include <map>
 #include <sstream>
 
+#include "controller/config/node.h"
+#include "controller/config/robot_build.h"
 #include "controller/config/robot_file.h"
 #include "controller/config/yaml_text.h"
 #include "controller/describe/enumeration.h"
@@ -301,7 +303,7 @@ draft::Draft add_shapes(const RobotOptions& options, const fs::path& folder, con
   std::string shapes = collision(fit);
   constexpr std::string_view kAuto = "self: auto", kNone = "self: []";
   if (const std::size_t at = shapes.rfind(kAuto); at != std::string::npos) shapes.replace(at, kAuto.size(), kNone);
-  draft::Draft draft = draft::draft_robot({options.file, folder, options.lenient, shapes});
+  draft::Draft draft = draft::draft_robot({options.file, folder, options.lenient, shapes, with_urdfs.meshes});
   if (draft.text != with_urdfs.text) {
     write_text(options.output, draft.text);
     fit = fitted_shapes(options, options.output);  // the shapes are the same, what they say of `ready` is not
@@ -333,7 +335,7 @@ int draft_robot_file(const RobotOptions& options) {
   }
   write_text(options.output, draft.text);
   if (options.fit) draft = add_shapes(options, folder, draft);
-  const config::LoadedRobot robot = config::load_robot(options.output);
+  const config::LoadedRobot robot = config::read_robot(config::load_yaml(options.output), "", draft.meshes);
   print_notes(robot.notes, std::cerr);
   print_warnings(robot.warnings);
   print_warnings(run::holding_warnings(robot.model));
