@@ -49,6 +49,10 @@ constexpr void describe(auto& v, Of<Carried>) {
            {.range = {-2.0, 1e6},
             .written = Written::kUnlessDefault,
             .text = "index of the object that it has not been lifted clear of; -2: the floor, -1: none"});
+  v.member("touch", &T::touch,
+           {.range = {-1.0, 1e6},
+            .written = Written::kUnlessDefault,
+            .text = "indices of robot shapes that it may touch beside those of the hand; -1: none"});
 }
 
 constexpr void describe(auto& v, Of<Observation>) {

@@ -24,7 +24,7 @@ extern "C" {
 
 /** Raised whenever a function or struct below changes, and with it the protocol of processes
  * (plugin/process/session.h). A library made for another version is refused. */
-#define MOMA_PLUGIN_ABI 7
+#define MOMA_PLUGIN_ABI 8
 
 #if defined(_WIN32)
 #define MOMA_PLUGIN_EXPORT __declspec(dllexport)
@@ -118,6 +118,7 @@ typedef struct moma_observation {
   double position_carried[3]; /**< [m] */
   double rotation_carried[9]; /**< 3 x 3, by rows */
   double support_carried; /**< index of the object that it has not been lifted clear of; -2: the floor, -1: none */
+  double touch_carried[6]; /**< indices of robot shapes that it may touch beside those of the hand; -1: none */
 /* end of numbers of an observation */
   /* clang-format on */
   const double* q;

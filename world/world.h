@@ -37,6 +37,14 @@ struct WorldGoal {
   std::string take, leave;         ///< name of the object that the hand takes, or leaves, once the goal is reached
 };
 
+/// An object that the hand holds from the start, as if it had taken it there.
+struct Held {
+  std::string object;
+  std::vector<std::string> touch;  ///< links that it may touch, beside those that are rigid with E
+
+  bool operator==(const Held&) const = default;
+};
+
 struct Difficulty {
   double goal_distance_m = 0.0;  ///< |p_G - p_E(start)|
   int objects = 0;
@@ -56,6 +64,7 @@ struct World {
   WorldGoal goal;
   std::vector<WorldGoal> further;  ///< goals after it, one after the other
   std::optional<Upright> upright;  ///< path constraint of the whole trial
+  std::optional<Held> held;
   std::vector<WorldObject> objects;
   Configuration witness;  ///< reaches the first goal (at t = 0) clear of all objects
   Difficulty difficulty;
@@ -76,7 +85,7 @@ void object_states(const World& world, double t, std::vector<ObjectState>& state
 inline const WorldGoal& goal_of(const World& world, std::size_t index) {
   return index == 0 ? world.goal : world.further[index - 1];
 }
-/// True if a goal takes an object.
+/// True if the hand holds an object from the start or takes one at a goal.
 bool carries(const World& world);
 /// Index of the object with this name; -1 if there is none.
 int find_object(const World& world, std::string_view name);

@@ -75,6 +75,11 @@ constexpr void describe(auto& v, Of<Difficulty>) {
   v.member("narrowest_gap_m", &T::narrowest_gap_m, {});
 }
 
+constexpr void describe(auto& v, Of<Held>) {
+  v.member("object", &Held::object, {.required = true, .text = "name of the object"});
+  v.member("touch", &Held::touch, {.written = Written::kUnlessDefault, .text = "links that it may touch"});
+}
+
 /// The members that are written first.
 constexpr void describe(auto& v, Of<World>) {
   using T = World;
@@ -84,6 +89,7 @@ constexpr void describe(auto& v, Of<World>) {
   v.member("robot", &T::robot, {});
   v.member("start", &T::start, {.required = true});
   v.member("upright", &T::upright, {});
+  v.member("held", &T::held, {});
 }
 
 namespace {
@@ -133,9 +139,16 @@ void read_placed(MapReader& in, T& out, Isometry T::*X_0, const char* twist, boo
                  "at t = 0 it is " + std::to_string(gap) + " m from the position given");
 }
 
-/// Checks that the goals take one object at rest at a time, and leave that one.
+/// Checks that start and goals take one object at rest at a time, and goals leave that one.
 void check_carried(const World& world, const MapReader& in) {
-  std::string held;
+  const auto check_taken = [&](const std::string& key, const std::string& path, const std::string& name) {
+    const int object = find_object(world, name);
+    if (object < 0) in.fail_at(key.c_str(), fmt::format("{}: no object has the name '{}'", path, name));
+    if (!at_rest(world.objects[static_cast<std::size_t>(object)].motion, 0.0))
+      in.fail_at(key.c_str(), fmt::format("{}: '{}' moves; expected an object at rest", path, name));
+  };
+  std::string held = world.held ? world.held->object : "";
+  if (world.held) check_taken("held", "held.object", held);
   for (std::size_t i = 0; i <= world.further.size(); ++i) {
     const WorldGoal& goal = goal_of(world, i);
     if (goal.take.empty() && goal.leave.empty()) continue;
@@ -145,10 +158,7 @@ void check_carried(const World& world, const MapReader& in) {
       in.fail_at(key.c_str(), fmt::format("{}.leave: '{}' is not what the hand carries ({})", goal_i, goal.leave,
                                           held.empty() ? "nothing" : held));
     if (!goal.take.empty()) {
-      const int object = find_object(world, goal.take);
-      if (object < 0) in.fail_at(key.c_str(), fmt::format("{}.take: no object has the name '{}'", goal_i, goal.take));
-      if (!at_rest(world.objects[static_cast<std::size_t>(object)].motion, 0.0))
-        in.fail_at(key.c_str(), fmt::format("{}.take: '{}' moves; expected an object at rest", goal_i, goal.take));
+      check_taken(key, goal_i + ".take", goal.take);
       if (!held.empty()) in.fail_at(key.c_str(), fmt::format("{}.take: the hand already carries '{}'", goal_i, held));
     }
     held = goal.take;

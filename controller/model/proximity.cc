@@ -137,7 +137,7 @@ struct Proximity::Impl {
       for (const SelfPair& pair : model->self_pairs) {
         const auto a = static_cast<std::size_t>(pair.first);
         const auto b = static_cast<std::size_t>(pair.second);
-        if (!pair.row || b >= count) continue;
+        if (!pair.row || b >= count || model->may_touch(pair)) continue;
         const auto d = within(solid(a), robot_X_WS[a], solid(b), robot_X_WS[b], ranges.self);
         if (d && !found(ProximityPair{PairKind::kSelf, pair.first, pair.second, *d})) return;
       }
@@ -213,7 +213,7 @@ std::optional<Distance> Proximity::within(PairKind kind, int first, int second, 
   const auto a = static_cast<std::size_t>(first);
   if (kind == PairKind::kFloor) return impl.to_floor(a, range);
   const auto b = static_cast<std::size_t>(second);
-  if (kind == PairKind::kSelf && b >= impl.present()) return {};
+  if (kind == PairKind::kSelf && (b >= impl.present() || impl.model->may_touch({first, second}))) return {};
   if (kind == PairKind::kSelf)
     return impl.within(impl.solid(a), impl.robot_X_WS[a], impl.solid(b), impl.robot_X_WS[b], range);
   if (!impl.counts(a, second)) return {};

@@ -97,9 +97,12 @@ struct Carried {
   int object = 0;                        ///< index of the object in the scene
   Isometry X_EO = Isometry::Identity();  ///< its pose in E
   int support = kNoSupport;              ///< index of the object from which it has not been lifted clear yet
+  /// Indices of robot shapes that it may touch, beside those that are rigid with E; -1: none.
+  Vector6 touch = Vector6::Constant(-1.0);
 
   bool operator==(const Carried& other) const noexcept {
-    return object == other.object && support == other.support && X_EO.matrix() == other.X_EO.matrix();
+    return object == other.object && support == other.support && X_EO.matrix() == other.X_EO.matrix() &&
+           touch == other.touch;
   }
 };
 
@@ -161,6 +164,11 @@ struct RobotModel {
   bool stands_on(int shape, int second) const noexcept {
     return carried && carried->support == second && second != kNoSupport &&
            shape + 1 == static_cast<int>(shapes.size());
+  }
+  /// True if `pair` is one of a shape and the carried object, which may touch it: no self-collision.
+  bool may_touch(const SelfPair& pair) const noexcept {
+    return carried && pair.second + 1 == static_cast<int>(shapes.size()) &&
+           (carried->touch.array() == static_cast<double>(pair.first)).any();
   }
 };
 

@@ -46,6 +46,7 @@ void print(const World& world) {
   if (world.upright)
     std::cout << fmt::format("upright  axis {} of E within {:.4g} rad of the vertical\n",
                              vector_text(world.upright->axis), world.upright->angle);
+  if (world.held) std::cout << fmt::format("held     {}\n", terminal_safe(world.held->object));
   std::cout << fmt::format("witness  base {} q {}\n\n", vector_text(world.witness.base), vector_text(world.witness.q));
   const Difficulty& d = world.difficulty;
   write(std::cout,

@@ -15,6 +15,7 @@
 #include "eval/risk/shrink_set.h"
 #include "eval/run/moved_trials.h"
 #include "eval/run/store_file.h"
+#include "world/holding.h"
 #include "world/sensing/disturbances_file.h"
 
 namespace moma::run {
@@ -75,6 +76,20 @@ bool move_goals(World& world, const std::function<Vector3(const Vector3&)>& move
   one(world.goal);
   for (WorldGoal& goal : world.further) one(goal);
   return any;
+}
+
+/// Lets the hand hold only objects that exist, one at a time.
+void mend_grips(World& world) {
+  if (world.held && find_object(world, world.held->object) < 0) world.held.reset();
+  std::string held = world.held ? world.held->object : "";
+  const auto one = [&](WorldGoal& goal) {
+    if (goal.leave != held) goal.leave.clear();
+    if (!goal.leave.empty()) held.clear();
+    if (!held.empty() || find_object(world, goal.take) < 0) goal.take.clear();
+    held += goal.take;
+  };
+  one(world.goal);
+  for (WorldGoal& goal : world.further) one(goal);
 }
 
 class Shrinker {
@@ -187,6 +202,7 @@ class Shrinker {
         SmallerWorld candidate = now_;
         candidate.world.objects.clear();
         for (const std::size_t i : set) candidate.world.objects.push_back(whole.objects[i]);
+        mend_grips(candidate.world);
         candidates.push_back(std::move(candidate));
       }
       return take(candidates);
@@ -246,6 +262,7 @@ class Shrinker {
         if (at == 0) world.goal = world.further.front();
         world.further.erase(world.further.begin() + std::max<std::ptrdiff_t>(0, at - 1));
         (world.further.empty() ? world.goal : world.further.back()).stop = true;
+        mend_grips(world);
         return true;
       });
       before = now_.world.further.size() < before ? now_.world.further.size() : 0;
@@ -276,7 +293,7 @@ class Shrinker {
       const auto sample =
           std::find_if(output.trace.begin(), output.trace.end(), [&](const Sample& s) { return s.t >= from; });
       if (from <= 0.0 || sample == output.trace.end()) return false;
-      candidate.world.start = {sample->base, sample->q};
+      start_from(candidate.world, {sample->base, sample->q}, point_.robot->model);
       // Excludes worlds that start in contact, or with a failure of a motion that starts there.
       candidate.earliest = 0.5 * before;
       candidate.latest = 2.0 * before;
@@ -319,10 +336,11 @@ class Shrinker {
         return Vector3(goal.unaryExpr([&](double x) { return rounded(x, step); }));
       });
     });
-    simplify("start to {:g}", {0.1, 0.05, 0.01, 0.001}, [](SmallerWorld& candidate, double step) {
-      World& world = candidate.world;
-      for (double& x : world.start.base) x = rounded(x, step);
-      for (double& x : world.start.q) x = rounded(x, step);
+    simplify("start to {:g}", {0.1, 0.05, 0.01, 0.001}, [this](SmallerWorld& candidate, double step) {
+      Configuration start = candidate.world.start;
+      for (double& x : start.base) x = rounded(x, step);
+      for (double& x : start.q) x = rounded(x, step);
+      start_from(candidate.world, start, point_.robot->model);
       return true;
     });
   }

@@ -10,6 +10,7 @@
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
 #include "controller/step.h"
+#include "world/holding.h"
 
 namespace moma::run {
 namespace {
@@ -45,7 +46,10 @@ bool keeps(const SuitePoint& point) {
 
 }  // namespace
 
-void look_at(const World& world, const std::shared_ptr<const RobotModel>& model, WorldLook& look) {
+void look_at(const World& world, const std::shared_ptr<const RobotModel>& empty, WorldLook& look) {
+  const std::shared_ptr<const RobotModel> model = robot_at_start(empty, world);
+  const int held = model->carried ? model->carried->object : -1;
+  bool holds = held >= 0;
   Kinematics kinematics(model);
   Proximity proximity(model);
   proximity.set_objects(object_shapes(world));
@@ -64,14 +68,15 @@ void look_at(const World& world, const std::shared_ptr<const RobotModel>& model,
     object_states(world, 0.0, states);
     const Isometry move = kinematics.X_WE() * goal_state(world, 0.0, goal).X_WG.inverse();
     for (ObjectState& state : states) state.X_WO = move * state.X_WO;
-    for (const int shape : model->hand_shapes()) {
+    for (const int shape : (holds ? model : empty)->hand_shapes()) {
       for (std::size_t k = 0; k < states.size(); ++k) {
-        if (in_motion(states[k])) continue;
         const int object = static_cast<int>(k);
+        if (in_motion(states[k]) || object == held) continue;
         const auto distance = proximity.within(PairKind::kObject, shape, object, states, nearest.distance.d);
         if (distance) nearest = {PairKind::kObject, shape, object, *distance};
       }
     }
+    holds = holds && goal_of(world, goal).leave.empty();
   }
   const bool near = nearest.distance.d < kFar;
   look.goals.push_back({near ? nearest.distance.d : kInfinity, near ? pair_text(world, *model, nearest) : ""});

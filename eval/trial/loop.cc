@@ -10,6 +10,7 @@
 
 #include "controller/model/manipulability.h"
 #include "world/draws.h"
+#include "world/holding.h"
 #include "world/scenario/time_bound.h"
 #include "world/sensing/streams.h"
 
@@ -32,9 +33,6 @@ void observe(const PlantState& truth, const std::vector<ObjectState>& objects, c
   observation.carried = carried;
   observation.objects = objects;
 }
-
-// An object stands on what is nearer than the first, and is clear of it beyond the second [m].
-constexpr double kStands = 0.01, kLifted = 0.03;
 
 /// The rule for a goal: who passes through it does not dwell.
 DwellRule rule_of(const TrialSpec& spec, const WorldGoal& goal) {
@@ -86,7 +84,7 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
     if (disturbances.detection.seen_by == SeenBy::kDepth) told_.clear();
   }
   if (hand_ && told_.empty())
-    throw std::runtime_error("the world's goals take objects, which a controller has to be told (detection.seen_by)");
+    throw std::runtime_error("the hand holds objects, which a controller has to be told (detection.seen_by)");
   if (acts_with_errors(disturbances)) actuation_.emplace(disturbances, model_, world_, period_);
   r_.control_period = period_;
   r_.success = spec.success;
@@ -102,6 +100,10 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
   r_.trace.reserve(expected);
   r_.states.reserve(expected + 1);
   r_.step_seconds.reserve(expected);
+  if (world_.held) {
+    kinematics_.update(world_.start.base, world_.start.q);
+    hold(held_at_start(world_, kinematics_));
+  }
   plant_.check_start(report_);
 }
 
@@ -122,47 +124,25 @@ void TrialLoop::look_at_next() {
     next_.reset();
 }
 
-/// Takes or leaves an object if the goal that was reached asks for it.
-void TrialLoop::take_or_leave(const WorldGoal& goal) {
-  if (!goal.take.empty()) {
-    const int object = find_object(world_, goal.take);
-    ObjectState& state = objects_[static_cast<std::size_t>(object)];
-    carried_ = Carried{object, kinematics_.X_WE().inverse() * state.X_WO, support_of(object)};
-    state.visible = false;
-  } else if (!goal.leave.empty() && carried_) {
-    ObjectState& state = objects_[static_cast<std::size_t>(carried_->object)];
-    state.visible = true;
-    left_.emplace_back(carried_->object, state.X_WO);
-    carried_.reset();
-  } else {
-    return;
-  }
+/// Takes an object into the hand, or leaves it where it is.
+void TrialLoop::hold(const std::optional<Carried>& carried) {
+  if (carried_) objects_[static_cast<std::size_t>(carried_->object)].visible = true;
+  carried_ = carried;
+  if (carried_) objects_[static_cast<std::size_t>(carried_->object)].visible = false;
   carry(*hand_, carried_, carried_ ? &world_.objects[static_cast<std::size_t>(carried_->object)].shape : nullptr);
   plant_.carry(carried_);
 }
 
-/// Returns the distance between an object and another one, or the floor (kFloorSupport).
-double TrialLoop::gap_between(int object, int support) const {
-  const auto at = static_cast<std::size_t>(object), k = static_cast<std::size_t>(support);
-  const Shape& shape = world_.objects[at].shape;
-  if (support == kFloorSupport) return lowest_point(shape, objects_[at].X_WO);
-  return shape_distance(shape, objects_[at].X_WO, world_.objects[k].shape, objects_[k].X_WO).d;
-}
-
-/// Returns the solid on which an object stands (Carried::support).
-int TrialLoop::support_of(int object) const {
-  int support = kNoSupport;
-  double least = kStands;
-  const auto take = [&](int other) {
-    const double d = gap_between(object, other);
-    if (d >= least) return;
-    least = d;
-    support = other;
-  };
-  take(kFloorSupport);
-  for (int i = 0; i < static_cast<int>(objects_.size()); ++i)
-    if (i != object) take(i);
-  return support;
+/// Takes or leaves an object if the goal that was reached asks for it.
+void TrialLoop::take_or_leave(const WorldGoal& goal) {
+  if (!goal.take.empty()) {
+    const int object = find_object(world_, goal.take);
+    const Isometry& X_WO = objects_[static_cast<std::size_t>(object)].X_WO;
+    hold(Carried{object, kinematics_.X_WE().inverse() * X_WO, support_of(world_, objects_, object)});
+  } else if (!goal.leave.empty() && carried_) {
+    left_.emplace_back(carried_->object, objects_[static_cast<std::size_t>(carried_->object)].X_WO);
+    hold({});
+  }
 }
 
 /// Moves the carried object with the hand, and the left ones to where they stand.
@@ -172,10 +152,9 @@ void TrialLoop::move_carried() {
   const auto at = static_cast<std::size_t>(carried_->object);
   objects_[at].X_WO = kinematics_.X_WE() * carried_->X_EO;
   if (carried_->support == kNoSupport) return;
-  if (gap_between(carried_->object, carried_->support) <= kLifted) return;
+  if (gap_between(world_, objects_, carried_->object, carried_->support) <= kLifted) return;
   carried_->support = kNoSupport;
-  carry(*hand_, carried_, &world_.objects[at].shape);
-  plant_.carry(carried_);
+  hold(Carried(*carried_));
 }
 
 /// Notes the present goal of several, and goes on to the next one.

@@ -78,10 +78,9 @@ class TrialLoop {
   void take_goal();
   void look_at_next();
   void goal_reached();
+  void hold(const std::optional<Carried>& carried);
   void take_or_leave(const WorldGoal& goal);
   void move_carried();
-  double gap_between(int object, int support) const;
-  int support_of(int object) const;
   std::string joint_over_limit() const;
   std::string situation();
   void note_latencies();
@@ -90,7 +89,7 @@ class TrialLoop {
 
   const TrialSpec& spec_;
   const World& world_;
-  std::shared_ptr<RobotModel> hand_;  // the robot with a spare shape, if the world's goals take objects
+  std::shared_ptr<RobotModel> hand_;  // the robot with a spare shape, if it holds an object at some time
   const RobotModel& model_;
   Plant& plant_;
   Recording& r_;

@@ -41,7 +41,7 @@ int main(void) {
       if (velocities == 0 || velocities > 64)
         say(FAILED, "a robot with 1 to 64 velocities is held");
       else
-        say(READY, "{\"protocol\": 5}");
+        say(READY, "{\"protocol\": 6}");
     } else if (header[1] == RESET) {
       answer(STARTED, "", 0);
     } else if (header[1] == STEP) {

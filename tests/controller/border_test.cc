@@ -37,10 +37,10 @@ Observation sized(int joints, int velocities, std::size_t objects) {
 // Distinct numbers come out where the protocol's page says, and go back to the same numbers.
 TEST(Border, NumbersOfAnObservationAreInTheOrderOfTheProtocol) {
   Observation o = sized(3, 5, 2);
-  ASSERT_EQ(count_numbers(o), 75u + 3 + 5 + 2 * 38);
+  ASSERT_EQ(count_numbers(o), 81u + 3 + 5 + 2 * 38);
   std::vector<double> numbers(count_numbers(o));
   std::iota(numbers.begin(), numbers.end(), 1.0);
-  const std::size_t first = 83, second = first + 38;
+  const std::size_t first = 89, second = first + 38;
   numbers[first + 18] = 0.0;  // not visible
   for (const std::size_t truth :
        {second + 18, std::size_t{22}, std::size_t{29}, std::size_t{48}, std::size_t{55}, std::size_t{60}})
@@ -65,9 +65,10 @@ TEST(Border, NumbersOfAnObservationAreInTheOrderOfTheProtocol) {
   EXPECT_EQ(o.carried->object, 62);
   EXPECT_EQ(o.carried->X_EO.translation(), Vector3(63, 64, 65));
   EXPECT_EQ(o.carried->support, 75);
-  EXPECT_EQ(o.q[0], 76.0);
-  EXPECT_EQ(o.qdot[4], 83.0);
-  EXPECT_EQ(o.objects[0].X_WO.translation()[0], 84.0);
+  EXPECT_EQ(o.carried->touch[5], 81);
+  EXPECT_EQ(o.q[0], 82.0);
+  EXPECT_EQ(o.qdot[4], 89.0);
+  EXPECT_EQ(o.objects[0].X_WO.translation()[0], 90.0);
   EXPECT_FALSE(o.objects[0].visible);
   EXPECT_FALSE(o.objects[0].covariance.has_value());
   EXPECT_TRUE(o.objects[1].visible);
@@ -217,7 +218,7 @@ TEST(BorderDocumentation, StructsOfCNameTheNumbersThatThereAre) {
 // A layout says where each member stands and what it is unless told otherwise.
 TEST(Border, LayoutsNameEveryNumberOnce) {
   const Json layout = config::layout_of<Observation>({7, 9});
-  std::vector<int> named(29 + 26 + 5 + 15 + 7 + 9 + 38, 0);
+  std::vector<int> named(29 + 26 + 5 + 21 + 7 + 9 + 38, 0);
   const auto mark = [&](const auto& self, const Json& members, std::size_t start) -> void {
     for (const Json& member : members) {
       const std::size_t at = start + member["at"].get<std::size_t>();

@@ -77,6 +77,36 @@ TEST(Carried, IsAShapeOfTheHandAndNoObstacle) {
   }
 }
 
+// Every other pair keeps its bits.
+TEST(Carried, MayTouchSomeShapes) {
+  const auto model = with_spare_shape(*load_model("configs/robots/panda.yaml"));
+  const int spare = static_cast<int>(model->shapes.size()) - 1;
+  Proximity proximity(model);
+  const std::vector<ObjectShape> shapes{{"ball", make_sphere(0.05)}};
+  proximity.set_objects(shapes);
+  const Kinematics kinematics(model);
+  std::vector<ObjectState> states(1);
+  const auto pairs = [&](const Vector6& touch) {
+    Carried carried{0, in_hand(), kNoSupport};
+    carried.touch = touch;
+    carry(*model, carried, &shapes[0].shape);
+    std::vector<std::pair<int, double>> out;
+    for (const ProximityPair& pair : proximity.query(kinematics, states, kFar))
+      if (pair.kind == PairKind::kSelf && pair.second == spare) out.emplace_back(pair.first, pair.distance.d);
+    return out;
+  };
+  auto all = pairs(Carried().touch);
+  ASSERT_GT(all.size(), 3u);
+  Vector6 touch = Carried().touch;
+  touch[0] = all[1].first;
+  touch[1] = all[2].first;
+  const auto rest = pairs(touch);
+  EXPECT_FALSE(proximity.within(PairKind::kSelf, all[1].first, spare, states, 2.0).has_value());
+  EXPECT_TRUE(proximity.within(PairKind::kSelf, all[0].first, spare, states, 2.0).has_value());
+  all.erase(all.begin() + 1, all.begin() + 3);
+  EXPECT_EQ(rest, all);
+}
+
 TEST(Carried, StandsOnTheFloorUntilItIsLifted) {
   const auto model = with_spare_shape(*load_model("configs/robots/panda.yaml"));
   Proximity proximity(model);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/model/kinematics.h"
 #include "eval/run/break.h"
 #include "eval/run/evaluate.h"
 #include "eval/run/risk.h"
@@ -417,6 +418,63 @@ TEST_F(Shrinks, ToTheGoalOnWhoseWayItFailed) {
     if (hits == 4) break;
   }
   EXPECT_GE(hits, 2);
+}
+
+// What the hand holds stays in it, where the start moves, or goes with everything that would take it.
+TEST_F(Shrinks, WithTheObjectInTheHand) {
+  nlohmann::ordered_json world = to_json(suite_.points.front().worlds.make(suite_.points.front().robot->model, 0));
+  const auto ball = [](const char* name, double x, double y, double z) {
+    return nlohmann::ordered_json{{"name", name}, {"shape", "sphere"}, {"size", {0.05}}, {"position", {x, y, z}}};
+  };
+  world["start"] = {{"base", {0, 0, 0}}, {"q", {0, 0, 0}}};
+  world["goal"] = {{"position", {4.0, 0, 0.5}}, {"quaternion", {1, 0, 0, 0}}};
+  world["objects"] = {ball("idle", 0, 3, 1), ball("cup", 1.0, 0, 0.2), ball("wall", 3.2, 0, 0.2)};
+  world["held"] = {{"object", "cup"}};
+  nlohmann::ordered_json hit = world;
+  hit["objects"] = {ball("idle", 0, 3, 1), ball("cup", 1.0, 0, 0.2), ball("post", 3.2, 0, 0.5)};
+  nlohmann::ordered_json takes = hit;
+  takes.erase("held");
+  takes.erase("goal");
+  takes["goals"] = {hit["goal"], hit["goal"]};
+  takes["goals"][0]["take"] = "cup";
+  takes["goals"][0]["position"] = {1.0, 0, 0.5};
+  folder_.write("held.jsonl", world.dump() + "\n" + hit.dump() + "\n" + takes.dump() + "\n");
+  const Suite held = load_suite(folder_.write("held.yaml",
+                                              "name: held\nrobot: robots/tiny.yaml\n"
+                                              "controllers: {blind: controllers/blind.yaml}\n"
+                                              "worlds: {frozen: held.jsonl}\n"
+                                              "simulation: {mode: kinematic, time_limit: 8}\n"
+                                              "success: {position: 0.1, orientation: 3.1}\ntrials: 3\n"));
+  EvaluateRequest evaluation;
+  evaluation.file = path("held.db");
+  evaluate(evaluation, held);
+  const store::Reader reader(evaluation.file);
+  int by_cup = 0, by_arm = 0;
+  for (const std::string& key : reader.keys()) {
+    ShrinkRequest request;
+    request.file = evaluation.file;
+    request.trial = key;
+    const Shrunk small = shrink(request);
+    const World again = world_from_json(nlohmann::ordered_json::parse(to_json(small.world).dump()), "again");
+    EXPECT_FALSE(carries(again) && !again.held) << small.sentence;
+    if (small.row.object == "wall") {
+      ++by_cup;
+      EXPECT_EQ(small.row.link, "carried:cup");
+      ASSERT_EQ(again.objects.size(), 2U) << small.sentence;
+      Kinematics kinematics(held.points.front().robot->model);
+      kinematics.update(again.start.base, again.start.q);
+      const Vector3 in_hand = kinematics.X_WE().inverse() * again.objects[0].X_WO.translation();
+      EXPECT_NEAR((in_hand - Vector3(0.1, 0, -0.3)).norm(), 0.0, 0.15) << in_hand.transpose();
+      EXPECT_GT(again.start.base.x(), 0.1) << "it starts later";
+    } else {
+      ++by_arm;
+      EXPECT_EQ(small.row.object, "post");
+      EXPECT_EQ(again.objects.size(), 1U) << small.sentence;
+      EXPECT_FALSE(carries(again));
+    }
+  }
+  EXPECT_EQ(by_cup, 1);
+  EXPECT_EQ(by_arm, 2);
 }
 
 TEST_F(Shrinks, OnlyWhatFailed) {

@@ -7,10 +7,15 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "controller/controller.h"
+#include "controller/model/kinematics.h"
 #include "controller/task/servo.h"
 #include "eval/store/query.h"
+#include "eval/suite/suite.h"
 #include "tests/eval/store_fixture.h"
 #include "tests/eval/trial_fixture.h"
+#include "tests/support/scratch.h"
+#include "world/world_json.h"
 
 namespace moma::test {
 namespace {
@@ -139,9 +144,160 @@ TEST(CarriedObjects, TouchWhatIsInTheirWay) {
 }
 
 TEST(CarriedObjects, NeedAPlantThatCarries) {
-  const TrialRow row = run_scripted(tiny_spec(), carries_a_cup(), drive(0.5, 0.6)).row;
+  World held = carries_a_cup();
+  held.held = Held{"cup", {}};
+  held.goal.take = "";
+  for (const World& world : {carries_a_cup(), held}) {
+    const TrialRow row = run_scripted(tiny_spec(), world, drive(0.5, 0.6)).row;
+    EXPECT_EQ(to_string(row.outcome), "error");
+    EXPECT_NE(row.reason.find("carries no objects"), std::string::npos) << row.reason;
+  }
+}
+
+/// The tip holds a cup 0.1 m ahead of it, in a world of one goal.
+World holds_a_cup() {
+  World world = tiny_world(0.6);
+  world.held = Held{"cup", {}};
+  world.objects = {sphere("cup", {1.0, 0.0, 0.5}, 0.08)};
+  return world;
+}
+
+TEST(HeldObjects, AreInTheHandFromTheFirstInstant) {
+  std::vector<double> times;
+  const auto look = [&](const Observation& o, StepResult&) {
+    times.push_back(o.time);
+    ASSERT_TRUE(o.carried.has_value()) << o.time;
+    EXPECT_EQ(o.carried->object, 0);
+    EXPECT_NEAR((o.carried->X_EO.translation() - Vector3(0.1, 0.0, 0.0)).norm(), 0.0, 1e-12);
+    EXPECT_EQ(o.carried->support, kNoSupport);
+    EXPECT_FALSE(o.objects[0].visible);
+  };
+  const TrialOutput out = drive_to_goals(holds_a_cup(), look);
+  EXPECT_EQ(to_string(out.row.outcome), "success") << out.row.reason;
+  ASSERT_FALSE(times.empty());
+  EXPECT_EQ(times.front(), 0.0);
+  EXPECT_EQ(out.row.goals, "");
+
+  // The tip stops 0.33 m before the wall, the cup reaches 0.18 m ahead of it.
+  World wall = holds_a_cup();
+  wall.objects.push_back(sphere("wall", {1.7, 0.0, 0.5}, 0.05));
+  const TrialRow hit = drive_to_goals(wall).row;
+  EXPECT_EQ(to_string(hit.outcome), "collision") << hit.reason;
+  EXPECT_EQ(hit.link + " " + hit.object, "carried:cup wall");
+  wall.held.reset();
+  wall.objects.erase(wall.objects.begin());
+  EXPECT_EQ(to_string(drive_to_goals(wall).row.outcome), "success") << "the hand alone stops before it";
+
+  // In touch at the start.
+  World touching = holds_a_cup();
+  touching.objects.push_back(sphere("wall", {1.1, 0.0, 0.5}, 0.05));
+  const TrialRow start = drive_to_goals(touching).row;
+  EXPECT_EQ(start.link + " " + start.object, "carried:cup wall");
+  EXPECT_EQ(start.collision_time_s, 0.0);
+}
+
+TEST(HeldObjects, StandOnWhatIsUnderThemAndAreLeftAtGoals) {
+  World world = goals_ahead({0.4, 0.45}, true);
+  world.held = Held{"cup", {}};
+  world.objects = {sphere("cup", {0.9, 0.0, 0.5}, 0.08), sphere("plate", {0.9, 0.0, 0.401}, 0.0)};
+  world.objects[1].shape = {ShapeKind::kBox, {0.1, 0.1, 0.04}, nullptr};
+  world.goal.leave = "cup";
+  world.witness = world.start;
+  const World again = world_from_json(nlohmann::ordered_json::parse(to_json(world).dump()), "test");
+  ASSERT_TRUE(again.held.has_value());
+  int on_plate = 0, clear = 0, left = 0;
+  const auto look = [&](const Observation& o, StepResult&) {
+    if (!o.carried)
+      ++left;
+    else
+      ++(o.carried->support == 1 ? on_plate : clear);
+    if (!o.carried) EXPECT_NEAR(o.objects[0].X_WO.translation().x(), 1.3, 0.03);
+  };
+  const TrialOutput out = drive_to_goals(again, look);
+  EXPECT_EQ(out.row.goals_reached, 2.0) << out.row.reason;
+  EXPECT_GT(on_plate, 5);
+  EXPECT_GT(clear, 5);
+  EXPECT_GT(left, 0);
+}
+
+// The upper arm is not rigid with the hand.
+TEST(HeldObjects, TouchTheLinksThatTheyMay) {
+  World world = holds_a_cup();
+  set_pose(world.objects[0], {0.32, 0.0, 0.52}, Eigen::Quaterniond::Identity());
+  const TrialRow hit = drive_to_goals(world).row;
+  EXPECT_EQ(to_string(hit.outcome), "collision");
+  EXPECT_EQ(hit.object, "self:carried:cup") << hit.reason;
+  const std::string link = hit.link;
+  world.held->touch = {link, "slide"};
+  const TrialOutput out = drive_to_goals(world, [&](const Observation& o, StepResult&) {
+    EXPECT_EQ((o.carried->touch.array() >= 0.0).count(), 1) << "the hand needs none";
+  });
+  EXPECT_EQ(to_string(out.row.outcome), "success") << out.row.reason;
+  world.held->touch = {"elbow"};
+  const TrialRow row = drive_to_goals(world).row;
   EXPECT_EQ(to_string(row.outcome), "error");
-  EXPECT_NE(row.reason.find("carries no objects"), std::string::npos) << row.reason;
+  EXPECT_NE(row.reason.find("robot tiny has no link 'elbow'"), std::string::npos) << row.reason;
+}
+
+/// A controller of moma that is not told what the hand holds.
+class Forgetful : public StepController {
+ public:
+  explicit Forgetful(const TrialSpec& spec)
+      : own_(spec.robot->model, told_params(spec), spec.simulation.control_period) {}
+  void reset(std::span<const ObjectShape> objects) override { own_.reset(objects); }
+  void prepare(StepResult& result) const override { own_.prepare(result); }
+  void step(const Observation& observation, StepResult& result) noexcept override {
+    seen_ = observation;
+    seen_.carried.reset();
+    own_.step(seen_, result);
+  }
+
+ private:
+  Controller own_;
+  Observation seen_;
+};
+
+// A rod in the Panda's hand hangs as low as a post on the way; the hand alone would pass above it.
+TEST(HeldObjects, AreCarriedPastWhatTheHandAloneWouldPass) {
+  const Scratch folder;
+  const std::string configs = MOMA_SOURCE_DIR "/configs/";
+  for (const char* mode : {"kinematic", "dynamic"}) {
+    const Suite suite = load_suite(folder.write(
+        "suite.yaml", "name: rod\nrobot: " + configs + "robots/panda.yaml\ncontrollers: {moma: " + configs +
+                          "controllers/moma.yaml}\nworlds: {families: {open: {}}}\nsimulation: {mode: " + mode +
+                          ", time_limit: 20}\ntrials: 1\n"));
+    const SuitePoint& point = suite.points.front();
+    const auto& model = point.robot->model;
+    World world;
+    world.start.q = world.witness.q = model->ready;
+    world.witness.q[0] = 1.2;
+    Kinematics kinematics(model);
+    kinematics.update(Vector3::Zero(), world.witness.q);
+    set_pose(world.goal, kinematics.X_WE().translation(), Eigen::Quaterniond(kinematics.X_WE().linear()));
+    kinematics.update(Vector3::Zero(), world.start.q);
+    const Isometry& X_WE = kinematics.X_WE();
+    WorldObject rod, post;
+    rod.name = "rod";
+    rod.shape = {ShapeKind::kBox, {0.03, 0.03, 0.3}, nullptr};
+    set_pose(rod, X_WE * Vector3(0.0, 0.0, 0.15), Eigen::Quaterniond(X_WE.linear()));
+    post.name = "post";
+    const double radius = X_WE.translation().head<2>().norm(), height = X_WE.translation().z() - 0.12;
+    post.shape = {ShapeKind::kBox, {0.06, 0.06, height}, nullptr};
+    set_pose(post, {radius * std::cos(0.6), radius * std::sin(0.6), 0.5 * height}, Eigen::Quaterniond::Identity());
+    world.objects = {rod, post};
+    world.held = Held{"rod", {}};
+    world = world_from_json(nlohmann::ordered_json::parse(to_json(world).dump()), "rod");
+
+    const TrialRow past = run_trial(point, world).row;
+    EXPECT_EQ(to_string(past.outcome), "success") << mode << ": " << past.reason;
+    TrialParts forgets;
+    forgets.controller = [](const TrialSpec& spec) { return std::make_unique<Forgetful>(spec); };
+    const TrialRow hit = run_trial(point, world, forgets).row;
+    EXPECT_EQ(hit.link + " " + hit.object, "carried:rod post") << mode << ": " << hit.reason;
+    world.held.reset();
+    world.objects.erase(world.objects.begin());
+    EXPECT_EQ(to_string(run_trial(point, world).row.outcome), "success") << mode;
+  }
 }
 
 TEST(TrialGoals, OneGoalHasNoneOfThis) {

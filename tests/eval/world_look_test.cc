@@ -154,5 +154,29 @@ TEST_F(WorldLooks, StartsInTouchAreCounted) {
   EXPECT_NE(texts[0].find("first: world 1, "), std::string::npos) << texts[0];
 }
 
+// What the hand holds touches at the start, and at the goal, where the hand alone does not; itself it is no obstacle.
+TEST_F(WorldLooks, WhatIsHeldCountsAsTheHand) {
+  World holds = world(0, 0.2);
+  Kinematics kinematics(model_);
+  kinematics.update(holds.start.base, holds.start.q);
+  WorldObject rod;
+  rod.name = "rod";
+  rod.shape = {ShapeKind::kCylinder, Vector3(0.01, 0.1, 0.0), nullptr};
+  set_pose(rod, kinematics.X_WE() * Vector3(0.0, 0.0, 0.05), Eigen::Quaterniond(kinematics.X_WE().linear()));
+  holds.objects.push_back(rod);
+  holds.held = Held{"rod", {}};
+  run::WorldLook look, without;
+  run::look_at(holds, model_, look);
+  EXPECT_EQ(look.in_touch, 0U);
+  EXPECT_LT(look.goals.at(0).d, 0.15);
+  EXPECT_NE(look.goals[0].where.find("carried and ball"), std::string::npos) << look.goals[0].where;
+  holds.objects.push_back(rod);
+  holds.objects.back().name = "twin";
+  holds.objects.back().X_WO.translation().x() += 0.01;
+  run::look_at(holds, model_, look);
+  EXPECT_EQ(look.in_touch, 1U);
+  EXPECT_NE(look.first_touch.find("twin"), std::string::npos) << look.first_touch;
+}
+
 }  // namespace
 }  // namespace moma

@@ -50,7 +50,7 @@ TEST_F(Processes, MistakesAreNamedWithTheirPlace) {
                "licence for this robot");
   expect_error(odd("hang_at_once", ", start: 0.2"), "command", "gave no answer to its setup within 0.2 s");
   expect_error(odd("refuse"), "command", "these parameters are not to my taste");
-  expect_error(odd("other_version"), "command", "speaks version 4711 of the protocol, this moma speaks 5");
+  expect_error(odd("other_version"), "command", "speaks version 4711 of the protocol, this moma speaks 6");
   expect_error(odd("no_json"), "command", "answer to its setup is not");
   expect_error(odd("own_file"), "command", "weights.bin");
 }

@@ -22,7 +22,14 @@ using test::robot;
 constexpr const char* kScene = R"(name: kitchen
 robot_state:
   attached_collision_objects:
-    - {link_name: panda_hand, object: {id: cup}}
+    - link_name: panda_hand
+      object:
+        header: {frame_id: panda_hand}
+        id: cup
+        pose: {position: [0, 0, 0.1], orientation: [0, 0, 0, 1]}
+        primitives: [{type: cylinder, dimensions: [0.1, 0.03]}]
+        primitive_poses: [{position: [0, 0.01, 0], orientation: [0.70710678, 0, 0, 0.70710678]}]
+      touch_links: [panda_hand, panda_link6, gripper_pad]
 world:
   collision_objects:
     - header: {frame_id: panda_link0}
@@ -95,7 +102,7 @@ TEST_F(Foreign, MoveItsMessages) {
   ASSERT_EQ(found.worlds.size(), 1U);
   const World& world = found.worlds[0];
   EXPECT_EQ(world.family, "kitchen");
-  ASSERT_EQ(world.objects.size(), 5U);
+  ASSERT_EQ(world.objects.size(), 6U);
   Kinematics kinematics(panda_);
   kinematics.update(Vector3::Zero(), panda_->ready);
   const Isometry X_WR = kinematics.X_WL(panda_->find_link("panda_link0"));
@@ -120,13 +127,26 @@ TEST_F(Foreign, MoveItsMessages) {
   EXPECT_NEAR(extent_along(mug.shape, mug.X_WO, X_WR.linear().col(0)),
               X_WR.linear().col(0).dot(X_WR * Vector3(0.5, -0.3, 0.5)), 1e-8);
 
+  // The cup moves with the hand: it is where that is at the start of the request, not at `ready`.
+  ASSERT_TRUE(world.held.has_value());
+  EXPECT_EQ(world.held->object, "cup");
+  EXPECT_EQ(world.held->touch, (std::vector<std::string>{"panda_hand", "panda_link6"}));
+  const WorldObject& cup = object_named(world, "cup");
+  EXPECT_EQ(cup.shape.size.head<2>(), Vector2(0.03, 0.1));
+  kinematics.update(world.start.base, world.start.q);
+  const Isometry& X_WH = kinematics.X_WL(panda_->find_link("panda_hand"));
+  EXPECT_LT((cup.X_WO.translation() - X_WH * Vector3(0, 0.01, 0.1)).norm(), 1e-9);
+  EXPECT_LT((cup.X_WO.linear().col(2) + X_WH.linear().col(1)).norm(), 1e-6);
+  EXPECT_EQ(to_json(world_from_json(to_json(world), "again")).dump(), to_json(world).dump());
+
   EXPECT_EQ(world.start.q[0], 0.3);
   EXPECT_EQ(world.start.q[1], -0.5);
   EXPECT_EQ(world.start.q[3], panda_->ready[3]);
   EXPECT_EQ(world.witness.q[6], 0.7);
   kinematics.update(Vector3::Zero(), world.witness.q);
   EXPECT_LT((kinematics.X_WE().matrix() - world.goal.X_WG.matrix()).norm(), 1e-12);
-  for (const char* text : {"attached objects are left out: cup",
+  for (const char* text : {"attached objects are in the hand from the start: cup",
+                           "touch_links that are no links of the robot are left out: gripper_pad",
                            "meshes are the convex hulls of their vertices: mug (0.1 x 0.2 x 0.3 m, not watertight)",
                            "planes are slabs", "replaced by its root: world"})
     EXPECT_TRUE(noted(found, text)) << text;
@@ -268,6 +288,38 @@ scenes:
   EXPECT_EQ(read_foreign(panda_, {own}).worlds.size(), 3U);
 }
 
+// What is attached by its name alone stands in the scene; a request's objects count with, and before, the scene's.
+TEST_F(Foreign, AttachedObjectsOfScenesAndRequestsAreOneInTheHand) {
+  const std::string scene =
+      "world: {collision_objects: [{id: jug, primitives: [{type: box, dimensions: [0.1, 0.1, 0.2]}, {type: sphere, "
+      "dimensions: [0.06]}], primitive_poses: [{position: [0.5, 0, 0.4]}, {position: [0.5, 0, 0.5]}]}, "
+      "{id: jugs, primitives: [{type: sphere, dimensions: [0.1]}], primitive_poses: [{position: [0, 0.7, 0.4]}]}]}\n";
+  const std::string attached =
+      "start_state: {attached_collision_objects: [{link_name: panda_hand, object: {id: jug}}, {link_name: panda_hand, "
+      "object: {id: old, operation: 1}}]}\n";
+  std::string request = kRequest;
+  request = attached + request.substr(request.find("goal_constraints"));
+  const ForeignWorlds found =
+      read_foreign(panda_, {scratch_.write("scene.yaml", scene), scratch_.write("request.yaml", request)});
+  const World& world = found.worlds.at(0);
+  ASSERT_TRUE(world.held.has_value());
+  EXPECT_EQ(world.held->object, "jug");
+  ASSERT_EQ(world.objects.size(), 2U) << "both of its shapes are in the hand";
+  EXPECT_TRUE(noted(found, "attached shapes are held as one convex hull: jug (2)"));
+  const WorldObject& jug = object_named(world, "jug");
+  Kinematics kinematics(panda_);
+  kinematics.update(Vector3::Zero(), panda_->ready);
+  const Isometry X_RW = kinematics.X_WL(panda_->find_link("panda_link0")).inverse();
+  const auto reach = [&](const Vector3& direction) { return extent_along(jug.shape, X_RW * jug.X_WO, direction); };
+  for (const auto& [direction, expected] :
+       {std::pair(Vector3(1, 0, 0), 0.56), std::pair(Vector3(0, 1, 0), 0.06), std::pair(Vector3(0, 0, 1), 0.56),
+        std::pair(Vector3(0, 0, -1), -0.3), std::pair(Vector3(0.6, 0, 0.8), 0.76)}) {
+    EXPECT_GE(reach(direction), expected - 1e-9) << direction.transpose();
+    EXPECT_LE(reach(direction), expected + 0.004) << direction.transpose();
+  }
+  EXPECT_EQ(world.difficulty.objects, 2);
+}
+
 TEST_F(Foreign, SaysWhatIsWrong) {
   const auto says = [&](const std::vector<std::filesystem::path>& files, const std::string& text) {
     EXPECT_NE(message(files).find(text), std::string::npos) << text << "\n" << message(files);
@@ -279,12 +331,26 @@ TEST_F(Foreign, SaysWhatIsWrong) {
   says({scratch_.write("a.yaml", "a: 1\n")}, "a.yaml:1:1: expected a planning scene");
   std::string text = kScene;
   text.replace(text.find("type: sphere"), 12, "type: helix");
-  says({scratch_.write("b.yaml", text), request}, "b.yaml:14:");
+  says({scratch_.write("b.yaml", text), request}, "b.yaml:21:");
   text = kRequest;
   text.erase(text.find("      - {joint_name: panda_joint4"), 50);
   says({scene, scratch_.write("c.yaml", text)}, "panda_joint4");
   says({scene, scratch_.write("d.yaml", "goal_constraints: [{position_constraints: []}]\n")},
        "expected joint_constraints");
+  const auto held = [&](const std::string& from, const std::string& to) {
+    std::string changed = kScene;
+    changed.replace(changed.find(from), from.size(), to);
+    return std::vector<std::filesystem::path>{scratch_.write("held.yaml", changed), request};
+  };
+  says(held("link_name: panda_hand", "link_name: elbow"), "held.yaml:4:18: link_name: robot panda has no link 'elbow'");
+  says(held("link_name: panda_hand", "link_name: panda_link4"), "the object cup is attached to panda_link4");
+  says(held("id: cup", "name: cup"), "held.yaml:6:");
+  says(held("primitives: [{type: cylinder, dimensions: [0.1, 0.03]}]", "a: 1"), "cup has 0 primitives and 1 poses");
+  says({scratch_.write(
+            "f.yaml",
+            "world: {}\nrobot_state: {attached_collision_objects: [{link_name: panda_hand, object: {id: x}}]}\n"),
+        request},
+       "f.yaml:2:");
   says({scratch_.write("e.scene", "shop\n* crate\n1\nbox\n0.1 0.2\n"), request}, "e.scene:5:1: found '0.1 0.2'");
   says({scratch_.write("h.scene", "shop\n* crate\n1\nbox\n0.1 0.2 0\n"), request}, "h.scene:5:1: found '0.1 0.2 0'");
   says({scratch_.write("f.scene", "shop\n* crate\n1\nbox\n"), request}, "f.scene:4:1: ends where");

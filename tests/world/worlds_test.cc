@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "controller/step.h"
+#include "tests/support/scratch.h"
 #include "tests/world/support.h"
 #include "tests/world/world_proof.h"
 #include "world/scenario/family.h"
@@ -363,6 +364,47 @@ TEST(Worlds, TakeAndLeaveWhatIsThere) {
   json["goals"][1]["stop"] = true;
   json["objects"][0]["motion"] = {{"kind", "linear"}, {"velocity", {0, 0, 0, 0.1, 0, 0}}};
   EXPECT_NE(error(0, "leave", "").find("'object' moves"), std::string::npos) << error(0, "leave", "");
+}
+
+TEST(Worlds, HoldWhatIsThereFromTheStart) {
+  const auto model = robot("panda");
+  nlohmann::ordered_json json = to_json(worlds("families: {clutter: {}}").make(model, 0));
+  EXPECT_FALSE(json.contains("held")) << "worlds of before keep their bits";
+  const std::string name = json["objects"][0]["name"];
+  json["held"] = {{"object", name}, {"touch", {"panda_link6"}}};
+  const test::Scratch folder;
+  const auto error = [&](const nlohmann::ordered_json& held) {
+    nlohmann::ordered_json changed = json;
+    changed["held"] = held;
+    try {
+      worlds("frozen: " + folder.write("worlds.jsonl", changed.dump() + "\n").string()).make(model, 0);
+    } catch (const std::exception& e) {
+      return std::string(e.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(error(json["held"]), "none");
+  const auto again = to_json(worlds("frozen: " + (folder.folder() / "worlds.jsonl").string()).make(model, 0));
+  EXPECT_EQ(again["held"].dump(), json["held"].dump());
+  EXPECT_EQ(to_json(world_from_json(again, "test")).dump(), again.dump());
+  const auto says = [&](const nlohmann::ordered_json& held, const std::string& text) {
+    EXPECT_NE(error(held).find(text), std::string::npos) << text << "\n" << error(held);
+  };
+  says({{"object", "cup"}}, "worlds.jsonl:1:");
+  says({{"object", "cup"}}, "held.object: no object has the name 'cup'");
+  says({{"touch", {"panda_link6"}}}, "held.object");
+  says({{"object", name}, {"links", 1}}, "held.links");
+  says({{"object", name}, {"touch", {"elbow"}}}, "world 0: held.touch: robot panda has no link 'elbow'");
+  says({{"object", name},
+        {"touch", {"panda_link0", "panda_link1", "panda_link2", "panda_link3", "panda_link4", "panda_link5"}}},
+       "6 collision shapes at most");
+  says({{"object", name}, {"touch", {"panda_hand", "panda_link7", "panda_leftfinger", "panda_link5", "panda_link6"}}},
+       "none");
+  json["goal"]["take"] = json["objects"][1]["name"];
+  says({{"object", name}}, "already carries '" + name + "'");
+  json["goal"].erase("take");
+  json["objects"][0]["motion"] = {{"kind", "linear"}, {"velocity", {0, 0, 0, 0.1, 0, 0}}};
+  says({{"object", name}}, "held.object: '" + name + "' moves");
 }
 
 TEST(Worlds, ResolvedSectionReadsBack) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "controller/model/floor_reach.h"
+#include "world/holding.h"
 
 namespace moma {
 namespace {

@@ -83,9 +83,6 @@ class ContactScene {
   /// Moves the objects to their poses at time t.
   void place_objects(double t);
 
-  /// A carried object may touch what it stood on until it is lifted clear, no deeper than this [m].
-  static constexpr double kPressed = 0.01;
-
   /// Reports every touching pair that ODE decides to `sink`, in a fixed order.
   void detect(const TouchSink& sink);
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }

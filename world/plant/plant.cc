@@ -21,7 +21,7 @@ void check_command(const RobotModel& model, const VectorX& command, double durat
 }
 
 void Plant::carry(const std::optional<Carried>&) {
-  throw std::runtime_error("this plant carries no objects, which the world's goals ask for (take)");
+  throw std::runtime_error("this plant carries no objects, which the world asks for (held, take)");
 }
 
 std::shared_ptr<const RobotModel> with_carried(const std::shared_ptr<const RobotModel>& empty, const RobotModel& now,
@@ -32,6 +32,7 @@ std::shared_ptr<const RobotModel> with_carried(const std::shared_ptr<const Robot
   if (!carried) return empty;
   auto model = with_spare_shape(*empty);
   carry(*model, carried, &world.objects[static_cast<std::size_t>(carried->object)].shape);
+  std::erase_if(model->self_pairs, [&](const SelfPair& pair) { return model->may_touch(pair); });
   return model;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "controller/config/mesh_hull.h"
 #include "controller/config/reader.h"
 #include "controller/model/kinematics.h"
+#include "world/holding.h"
 #include "world/scenario/scene_builder.h"
 #include "world/scenario/scenes.h"
 
@@ -95,15 +97,55 @@ struct Part {
   Isometry X = Isometry::Identity();  ///< in its object's frame
 };
 
+/// An object in the hand; without parts, it is the scene's object of the same name.
+struct Attached {
+  int frame = 0;  ///< link in which the parts stand
+  std::vector<Part> parts;
+  std::vector<std::string> touch;  ///< links that it may touch
+  config::Mark mark;
+};
+using AttachedObjects = std::map<std::string, Attached>;
+
 struct Scene {
   std::string name;
   std::vector<WorldObject> objects;  ///< X_WO
+  AttachedObjects attached;
 };
 
 struct Request {
   std::map<std::string, double> start, goal;
+  AttachedObjects attached;
   config::Mark mark;
 };
+
+/// Returns points whose convex hull contains the placed part, and exceeds a round one by 2 % of its radius at most.
+std::vector<Vector3> points_around(const Part& part) {
+  const Vector3& size = part.shape.size;
+  std::vector<Vector3> points;
+  if (part.shape.hull) {
+    points = part.shape.hull->vertices;
+  } else if (part.shape.kind == ShapeKind::kBox) {
+    for (int i = 0; i < 8; ++i)
+      points.emplace_back(
+          0.5 * Vector3(i & 1 ? size.x() : -size.x(), i & 2 ? size.y() : -size.y(), i & 4 ? size.z() : -size.z()));
+  } else {
+    // A sphere lies within the hull of rings 15 degrees apart, a cylinder within a prism of as many sides.
+    constexpr int kSides = 24;
+    constexpr double kStep = 2.0 * std::numbers::pi / kSides;
+    const bool sphere = part.shape.kind == ShapeKind::kSphere;
+    const double beyond = std::pow(std::cos(0.5 * kStep), sphere ? -2.0 : -1.0);
+    for (int i = 0; i < kSides; ++i) {
+      const Vector3 side = beyond * size.x() * Vector3(std::cos(kStep * i), std::sin(kStep * i), 0.0);
+      for (int ring = 0; ring <= kSides / 2 && sphere; ++ring)
+        points.emplace_back(std::sin(kStep * ring) * side +
+                            std::cos(kStep * ring) * beyond * size.x() * Vector3::UnitZ());
+      for (const double z : {-0.5 * size.y(), 0.5 * size.y()})
+        if (!sphere) points.emplace_back(side + z * Vector3::UnitZ());
+    }
+  }
+  for (Vector3& p : points) p = part.X * p;
+  return points;
+}
 
 class Importer {
  public:
@@ -177,15 +219,17 @@ class Importer {
     }
   }
 
-  Isometry frame(const Node& object) {
+  Isometry frame(const Node& object) { return at_ready_.X_WL(frame_link(object)); }
+
+  int frame_link(const Node& object) {
     const Node* header = object.find("header");
     const Node* id = header != nullptr ? header->find("frame_id") : nullptr;
     std::string name = id != nullptr ? id->scalar : "";
     if (!name.empty() && name.front() == '/') name.erase(0, 1);
     const int link = name.empty() || name == "@base" ? -1 : model_->find_link(name);
-    if (link >= 0) return at_ready_.X_WL(link);
+    if (link >= 0) return link;
     if (!name.empty()) note("frames that are no link of the robot are replaced by its root", name);
-    return at_ready_.X_WL(1);
+    return 1;
   }
 
   // --- shapes -------------------------------------------------------------------------------------------------------
@@ -283,38 +327,69 @@ class Importer {
       const std::string id = config::read_string(need(object, "id", "the object's name"), "id");
       const Node* pose = object.find("pose");
       const Isometry X_WO = frame(object) * (pose != nullptr ? read_pose(*pose) : Isometry::Identity());
-      std::vector<Part> parts;
-      const auto take = [&](const std::string& shapes, const std::string& poses, const auto& part_of) {
-        const std::vector<Node>& all = list_of(object, shapes);
-        const std::vector<Node>& at = list_of(object, poses);
-        if (at.size() > all.size() || (at.size() < all.size() && !(at.empty() && pose != nullptr)))
-          config::fail(object.mark, poses, fmt::format("{} has {} {} and {} poses", id, all.size(), shapes, at.size()));
-        for (std::size_t i = 0; i < all.size(); ++i) {
-          Part part = part_of(all[i]);
-          if (i < at.size()) part.X = read_pose(at[i]) * part.X;
-          parts.push_back(std::move(part));
-        }
-      };
-      take("primitives", "primitive_poses", [&](const Node& node) { return primitive(node, id); });
-      take("planes", "plane_poses", [&](const Node& node) {
-        return plane(numbers(need(node, "coef", "a, b, c, d"), "coef", "abcd"), node.mark, id);
-      });
-      take("meshes", "mesh_poses", [&](const Node& node) { return mesh(node, id); });
+      const std::vector<Part> parts = parts_of(object, id);
       if (parts.empty()) config::fail(object.mark, "primitives", "the object " + id + " has no shape");
       add(scene, id, X_WO, parts);
     }
-    if (const Node* state = root.find("robot_state"))
-      for (const Node& held : list_of(*state, "attached_collision_objects")) note_attached(held);
+    if (const Node* state = root.find("robot_state")) scene.attached = read_attached(*state);
     if (const Node* octomap = from.find("octomap"))
       if (const Node* map = octomap->find("octomap"))
         if (!list_of(*map, "data").empty()) note("occupancy maps are left out", scene.name);
     return scene;
   }
 
-  void note_attached(const Node& held) {
-    const Node* object = held.find("object");
-    const Node* id = object != nullptr ? object->find("id") : nullptr;
-    note("attached objects are left out", id != nullptr ? id->scalar : "without a name");
+  /// Shapes of a collision object, in its frame.
+  std::vector<Part> parts_of(const Node& object, const std::string& id) {
+    std::vector<Part> parts;
+    const bool placed = object.find("pose") != nullptr;
+    const auto take = [&](const std::string& shapes, const std::string& poses, const auto& part_of) {
+      const std::vector<Node>& all = list_of(object, shapes);
+      const std::vector<Node>& at = list_of(object, poses);
+      if (at.size() > all.size() || (at.size() < all.size() && !(at.empty() && placed)))
+        config::fail(object.mark, poses, fmt::format("{} has {} {} and {} poses", id, all.size(), shapes, at.size()));
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        Part part = part_of(all[i]);
+        if (i < at.size()) part.X = read_pose(at[i]) * part.X;
+        parts.push_back(std::move(part));
+      }
+    };
+    take("primitives", "primitive_poses", [&](const Node& node) { return primitive(node, id); });
+    take("planes", "plane_poses", [&](const Node& node) {
+      return plane(numbers(need(node, "coef", "a, b, c, d"), "coef", "abcd"), node.mark, id);
+    });
+    take("meshes", "mesh_poses", [&](const Node& node) { return mesh(node, id); });
+    return parts;
+  }
+
+  AttachedObjects read_attached(const Node& state) {
+    AttachedObjects out;
+    for (const Node& held : list_of(state, "attached_collision_objects")) {
+      const Node& object = need(held, "object", "a collision object");
+      const Node* operation = object.find("operation");
+      if (operation != nullptr && (operation->scalar == "1" || operation->scalar == "REMOVE")) continue;
+      const std::string id = config::read_string(need(object, "id", "the object's name"), "id");
+      const Node& at = need(held, "link_name", "the link that holds " + id);
+      const int link = model_->find_link(at.scalar);
+      if (link < 0)
+        config::fail(at.mark, "link_name", fmt::format("robot {} has no link '{}'", model_->name, at.scalar));
+      if (model_->rigid_root(link) != model_->rigid_root(model_->tip))
+        config::fail(
+            at.mark, "link_name",
+            fmt::format("the object {} is attached to {}, which joints move against the end effector's link {}; "
+                        "expected one that is rigid with it",
+                        id, at.scalar, model_->link(model_->tip).name));
+      Attached& attached = out[id];
+      attached = {frame_link(object), parts_of(object, id), {}, held.mark};
+      if (const Node* pose = object.find("pose"))
+        for (Part& part : attached.parts) part.X = read_pose(*pose) * part.X;
+      for (const Node& name : list_of(held, "touch_links")) {
+        if (model_->find_link(name.scalar) >= 0)
+          attached.touch.push_back(name.scalar);
+        else
+          note("touch_links that are no links of the robot are left out", name.scalar);
+      }
+    }
+    return out;
   }
 
   static void take_state(const Node& state, std::map<std::string, double>& q) {
@@ -332,7 +407,7 @@ class Importer {
     request.mark = root.mark;
     if (const Node* state = root.find("start_state")) {
       take_state(*state, request.start);
-      for (const Node& held : list_of(*state, "attached_collision_objects")) note_attached(held);
+      request.attached = read_attached(*state);
     }
     const std::vector<Node>& goals = list_of(root, "goal_constraints");
     if (goals.empty()) config::fail(root.mark, "goal_constraints", "expected a goal");
@@ -425,19 +500,65 @@ class Importer {
     return q;
   }
 
+  /// Puts into the hand what is attached: one object as it is, of several shapes their convex hull.
+  void hold(AttachedObjects attached, World& world) {
+    Kinematics kinematics(model_);
+    kinematics.update(world.start.base, world.start.q);
+    Held held;
+    std::vector<std::string> names;
+    std::vector<Part> parts;  // in W
+    for (auto& [id, object] : attached) {
+      for (Part& part : object.parts) part.X = kinematics.X_WL(object.frame) * part.X;
+      std::erase_if(world.objects, [&, whole = object.parts.empty(), id = id](const WorldObject& other) {
+        if (other.name != id && !other.name.starts_with(id + "/")) return false;
+        if (whole) object.parts.push_back({other.shape, other.X_WO});
+        return true;
+      });
+      if (object.parts.empty())
+        config::fail(object.mark, "object",
+                     "the attached object " + id + " has no shape, and is no object of the scene");
+      parts.insert(parts.end(), object.parts.begin(), object.parts.end());
+      held.touch.insert(held.touch.end(), object.touch.begin(), object.touch.end());
+      names.push_back(id);
+    }
+    held.object = fmt::format("{}", fmt::join(names, "+"));
+    if (parts.size() > 1) {
+      std::vector<Vector3> points;
+      for (const Part& part : parts) {
+        const std::vector<Vector3> more = points_around(part);
+        points.insert(points.end(), more.begin(), more.end());
+      }
+      const config::MeshSolid solid = config::point_solid(std::move(points));
+      note("attached shapes are held as one convex hull", fmt::format("{} ({})", held.object, parts.size()));
+      parts = {{solid.shape, solid.X_MS}};
+    }
+    note("attached objects are in the hand from the start", held.object);
+    WorldObject object;
+    object.name = held.object;
+    object.shape = parts.front().shape;
+    set_pose(object, parts.front().X.translation(), Eigen::Quaterniond(parts.front().X.linear()));
+    world.objects.push_back(std::move(object));
+    world.held = std::move(held);
+  }
+
   void make(const Scene& scene, const Request& request) {
     World world;
-    SceneBuilder builder(model_, 0, out_.worlds.size(), {});
-    builder.begin(0, world);
+    world.index = out_.worlds.size();
+    world.robot = model_->name;
     world.family = scene.name;
     world.start = {Vector3::Zero(), configuration(request.start, request, false)};
     world.witness = {Vector3::Zero(), configuration(request.goal, request, true)};
+    world.objects = scene.objects;
+    AttachedObjects attached = request.attached;
+    attached.insert(scene.attached.begin(), scene.attached.end());
+    if (!attached.empty()) hold(std::move(attached), world);
     std::map<std::string, int> seen;
-    for (WorldObject object : scene.objects) {
+    for (WorldObject& object : world.objects) {
       const int times = ++seen[object.name];
       if (times > 1) object.name += fmt::format("#{}", times);
-      world.objects.push_back(std::move(object));
     }
+    if (world.held) world.held->object = world.objects.back().name;
+    SceneBuilder builder(robot_at_start(model_, world), 0, world.index, {});
     builder.take_robot(world);
     builder.measure(world);
     out_.worlds.push_back(std::move(world));

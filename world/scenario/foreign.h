@@ -26,9 +26,10 @@ struct ForeignWorlds {
 /// Poses are in the frame of an object's header if that is a link of the robot, else in the URDF's root; the base
 /// stands at the origin. The goal is the tool's pose at the goal's joint values, which are the witness. A joint that a
 /// start does not name is at the robot's `ready`. Planes become slabs 0.2 m thick, cones become cylinders, meshes
-/// become the convex hulls of their vertices (config::point_solid()); attached objects are left out. Each of these
-/// changes is noted, as are worlds that start or end in contact. Throws config::ConfigError with file and line for
-/// other content, for unknown shapes and goals, and for joints that the robot does not control.
+/// become the convex hulls of their vertices (config::point_solid()). Objects attached to a link that is rigid with
+/// the end effector are held (World::held), several shapes as their convex hull. Each of these changes is noted, as are
+/// worlds that start or end in contact. Throws config::ConfigError with file and line for other content, for unknown
+/// shapes and goals, for joints that the robot does not control, and for objects attached to other links.
 ForeignWorlds read_foreign(const std::shared_ptr<const RobotModel>& model,
                            const std::vector<std::filesystem::path>& files);
 

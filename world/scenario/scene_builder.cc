@@ -353,7 +353,11 @@ void SceneBuilder::measure(World& world) {
   out.witness_clearance_m = kAbsent;
   out.narrowest_gap_m = kAbsent;
   out.blocked_fraction = 0.0;
-  if (world.objects.empty()) return;
+  const int held = model_->carried ? model_->carried->object : -1;
+  std::vector<std::size_t> obstacles;
+  for (std::size_t i = 0; i < world.objects.size(); ++i)
+    if (static_cast<int>(i) != held) obstacles.push_back(i);
+  if (obstacles.empty()) return;
 
   std::vector<ObjectState> states(world.objects.size());
   object_states(world, 0.0, states);
@@ -365,7 +369,7 @@ void SceneBuilder::measure(World& world) {
   int blocked = 0;
   for (int k = 0; k <= kPoints; ++k) {
     const Vector3 p = start_tip_ + (static_cast<double>(k) / kPoints) * (goal - start_tip_);
-    for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    for (const std::size_t i : obstacles) {
       if (point_gap(world.objects[i].shape, states[i].X_WO.inverse() * p) > kGrown) continue;
       ++blocked;
       break;
@@ -373,10 +377,11 @@ void SceneBuilder::measure(World& world) {
   }
   out.blocked_fraction = static_cast<double>(blocked) / (kPoints + 1);
 
-  if (world.objects.size() < 2) return;
+  if (obstacles.size() < 2) return;
   double gap = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    for (std::size_t j = i + 1; j < world.objects.size(); ++j) {
+  for (const std::size_t i : obstacles) {
+    for (const std::size_t j : obstacles) {
+      if (j <= i) continue;
       const Shape& a = world.objects[i].shape;
       const Shape& b = world.objects[j].shape;
       const double between = (states[i].X_WO.translation() - states[j].X_WO.translation()).norm();

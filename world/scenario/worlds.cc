@@ -13,6 +13,7 @@
 #include "controller/config/node.h"
 #include "controller/config/reader.h"
 #include "controller/config/text_file.h"
+#include "world/holding.h"
 #include "world/scenario/apportion.h"
 #include "world/scenario/family.h"
 #include "world/scenario/scenes.h"
@@ -212,6 +213,11 @@ World Worlds::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
     if (world.start.q.size() != model->num_joints())
       throw GenerationError(fmt::format("worlds.frozen: world {} has {} joint values, robot {} has {} joints", index,
                                         world.start.q.size(), model->name, model->num_joints()));
+    try {
+      (void)robot_at_start(model, world);
+    } catch (const std::runtime_error& e) {
+      throw GenerationError(fmt::format("worlds.frozen: world {}: {}", index, e.what()));
+    }
     if (log != nullptr) ++log->worlds;
     return world;
   }

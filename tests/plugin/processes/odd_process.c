@@ -93,8 +93,8 @@ int main(int argc, char** argv) {
       else
         say(101, asked("other_version") ? "{\"protocol\":4711}"
                  : asked("no_json")     ? "ready"
-                 : asked("own_file")    ? "{\"protocol\":5,\"files\":[\"weights.bin\"]}"
-                                        : "{\"protocol\":5}");
+                 : asked("own_file")    ? "{\"protocol\":6,\"files\":[\"weights.bin\"]}"
+                                        : "{\"protocol\":6}");
     } else if (header[1] == 2) {
       steps = 0;
       while (asked("slow") && access("busy", F_OK) == 0) usleep(1000);

@@ -23,6 +23,7 @@ interface GoalJson { position: number[]; quaternion: number[]; motion?: MotionJs
 export interface WorldJson {
   goal?: GoalJson;
   goals?: GoalJson[];   // of several, one after the other
+  held?: { object: string };   // in the hand from the start
   objects: BodyJson[];
 }
 
@@ -64,14 +65,21 @@ function bodyAt({ motion, start, grips }: Body, robot: Robot, t: number): Placed
 /** When the hand held the body called `name`. */
 function gripsOf(name: string, start: Placed, { robot, trace, world, reached }: Shown): Grip[] {
   const grips: Grip[] = [];
-  for (const [i, { take, leave }] of (world.goals ?? []).entries()) {
+  const take = (from: number, hand: Matrix4, { position, turn }: Placed): void => {
+    grips.push({ from, to: Infinity, inHand: hand.invert().multiply(new Matrix4().compose(position, turn, IN_SCALE)), left: { position, turn } });
+  };
+  if (world.held?.object === name) {
+    poseAt(robot, trace, 0);
+    take(0, robot.tipPose(new Matrix4()), start);
+  }
+  for (const [i, { take: taken, leave }] of (world.goals ?? []).entries()) {
     const time = reached[i];
     if (time === undefined) break;
-    if (take !== name && leave !== name) continue;
+    if (taken !== name && leave !== name) continue;
     poseAt(robot, trace, time);
-    const hand = robot.tipPose(new Matrix4()), last = grips.at(-1), place = last?.left ?? start;
-    if (take === name) {
-      grips.push({ from: time, to: Infinity, inHand: hand.invert().multiply(new Matrix4().compose(place.position, place.turn, IN_SCALE)), left: place });
+    const hand = robot.tipPose(new Matrix4()), last = grips.at(-1);
+    if (taken === name) {
+      take(time, hand, last?.left ?? start);
     } else if (last !== undefined) {
       last.to = time;
       last.left = placed(hand.multiply(last.inHand));
