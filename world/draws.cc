@@ -48,6 +48,11 @@ Draws::Block Draws::next() {
 /// Returns the block after the first `moves` moves. Searches backwards for the last move that replaces the draw:
 /// earlier moves do not matter then.
 Draws::Block Draws::after(std::size_t moves) const {
+  const auto original = [this] {
+    const Generator::ctr_type out = Generator()({{draw_, index_, attempt_, item_}}, {{seed_, stream_}});
+    return Block{{out[0], out[1], out[2], out[3]}};
+  };
+  if (moves == 0) return original();
   const bool error = stream_ == static_cast<std::uint64_t>(Stream::kSensing) ||
                      stream_ == static_cast<std::uint64_t>(Stream::kDisturbance);
   const std::uint64_t bits = 1ULL << stream_ | (error && attempt_ == 0 ? Move::kConstantErrors : 0ULL);
@@ -67,10 +72,7 @@ Draws::Block Draws::after(std::size_t moves) const {
     if (moved(move, out)) break;
   }
   Block block = first > 0 ? Block{{out[1], out[2], 0, 0}} : Block{};
-  if (first == 0) {
-    out = Generator()({{draw_, index_, attempt_, item_}}, {{seed_, stream_}});
-    block = {{out[0], out[1], out[2], out[3]}};
-  }
+  if (first == 0) block = original();
   for (std::size_t i = first; i < moves; ++i) {
     const Move& move = (*moves_)[i];
     if (move.scale >= 1.0 || (move.mask & bits) == 0) continue;

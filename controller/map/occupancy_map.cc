@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 namespace moma {
 namespace {
@@ -12,6 +12,10 @@ int units(double log_odds) noexcept { return static_cast<int>(std::lround(log_od
 
 // Bits from `low` up to below `high`; 0 <= low < high <= 64.
 std::uint64_t bits(int low, int high) noexcept { return (~std::uint64_t{0} >> (64 - (high - low))) << low; }
+
+// By value, which compiles to one instruction.
+double less(double a, double b) noexcept { return a < b ? a : b; }
+double greater(double a, double b) noexcept { return a > b ? a : b; }
 
 }  // namespace
 
@@ -29,7 +33,11 @@ OccupancyMap::OccupancyMap(const MapParams& params)
 
 void OccupancyMap::clear(double x, double y) {
   const std::size_t columns = static_cast<std::size_t>(count_) * static_cast<std::size_t>(count_);
-  cells_.assign(columns * static_cast<std::size_t>(layers_), Cell{});
+  odds_.assign(columns * static_cast<std::size_t>(layers_), kUnseen);
+  passed_.assign(columns, 0);
+  hits_.assign(columns, 0);
+  changed_.clear();
+  changed_.reserve(columns / (kBlock * kBlock));
   columns_.assign(columns, Column{});
   left_.assign(columns, 0);
   covered_.assign(columns, 0);
@@ -38,7 +46,6 @@ void OccupancyMap::clear(double x, double y) {
   uncovered_ = false;
   origin_ = {static_cast<int>(std::floor(x / size_)) - count_ / 2, static_cast<int>(std::floor(y / size_)) - count_ / 2,
              0};
-  frame_ = 0;
 }
 
 bool OccupancyMap::centre(double x, double y) noexcept {
@@ -61,12 +68,12 @@ bool OccupancyMap::centre(double x, double y) noexcept {
   };
   const auto layers = static_cast<std::size_t>(layers_);
   move(count_, dx, dy, [&](std::size_t to, int from) {
-    Cell* cells = cells_.data() + to * layers;
+    std::int8_t* odds = odds_.data() + to * layers;
     if (from < 0) {
-      std::fill_n(cells, layers, Cell{});
+      std::fill_n(odds, layers, static_cast<std::int8_t>(kUnseen));
       columns_[to] = Column{};
     } else {
-      std::copy_n(cells_.data() + static_cast<std::size_t>(from) * layers, layers, cells);
+      std::copy_n(odds_.data() + static_cast<std::size_t>(from) * layers, layers, odds);
       columns_[to] = columns_[static_cast<std::size_t>(from)];
     }
   });
@@ -80,135 +87,168 @@ bool OccupancyMap::centre(double x, double y) noexcept {
 Eigen::Vector3i OccupancyMap::cell_of(const Vector3& p) const noexcept {
   // Far points become cells outside the window, without overflow.
   constexpr double kFar = 1e6;
-  const Vector3 at = (p / size_).array().floor().max(-kFar).min(kFar);
-  return at.cast<int>() - origin_;
+  Eigen::Vector3i cell;
+  for (int i = 0; i < 3; ++i) {
+    const double at = less(greater(p[i] / size_, -kFar), kFar);
+    const int toward_zero = static_cast<int>(at);
+    cell[i] = toward_zero - (at < toward_zero ? 1 : 0) - origin_[i];
+  }
+  return cell;
 }
 
-void OccupancyMap::begin() noexcept {
-  if (++frame_ != 0) return;
-  for (Cell& cell : cells_) cell.frame = 0;
-  frame_ = 1;
-}
-
-void OccupancyMap::set(std::size_t column, int z, int odds) noexcept {
+void OccupancyMap::set(std::size_t column, std::size_t block, int z, int odds) noexcept {
   const Layers bit = Layers{1} << z;
-  cells_[column * static_cast<std::size_t>(layers_) + static_cast<std::size_t>(z)].odds =
-      static_cast<std::int8_t>(odds);
+  odds_[column * static_cast<std::size_t>(layers_) + static_cast<std::size_t>(z)] = static_cast<std::int8_t>(odds);
   Column& c = columns_[column];
   c.unseen &= ~bit;
   c.occupied = odds > 0 ? c.occupied | bit : c.occupied & ~bit;
   const bool settles = odds == least_;
   if (settles == ((c.settled & bit) != 0)) return;
   c.settled ^= bit;
-  const auto row = static_cast<std::size_t>(count_);
-  Block& block = blocks_[this->block(static_cast<int>(column / row), static_cast<int>(column % row))];
-  std::uint8_t& count = block.count[static_cast<std::size_t>(z)];
+  Block& in = blocks_[block];
+  std::uint8_t& count = in.count[static_cast<std::size_t>(z)];
   count = static_cast<std::uint8_t>(settles ? count + 1 : count - 1);
-  block.settled = count == kBlock * kBlock ? block.settled | bit : block.settled & ~bit;
+  in.settled = count == kBlock * kBlock ? in.settled | bit : in.settled & ~bit;
 }
 
 void OccupancyMap::hit(const Vector3& p) noexcept {
   const Eigen::Vector3i at_cell = cell_of(p);
   if (!inside(at_cell)) return;
-  Cell& cell = cells_[at(at_cell)];
-  if (cell.frame == frame_) return;
-  cell.frame = frame_;
-  const int before = cell.odds == kUnseen ? 0 : cell.odds, after = std::min(before + hit_, most_);
-  if (after == before) return;
   const std::size_t in = column(at_cell.x(), at_cell.y());
-  set(in, at_cell.z(), after);
+  const Layers bit = Layers{1} << at_cell.z();
+  if ((hits_[in] & bit) != 0) return;
+  hits_[in] |= bit;
+  const std::size_t at_block = block(at_cell.x(), at_cell.y());
+  change(at_block);
+  const int is = odds_[at(at_cell)], before = is == kUnseen ? 0 : is, after = std::min(before + hit_, most_);
+  if (after == before) return;
+  set(in, at_block, at_cell.z(), after);
   const bool uncovered = after > 0 && (covered_[in] >> at_cell.z() & 1) == 0;
   if (uncovered && (at_cell.array() >= region_.low.array()).all() && (at_cell.array() < region_.high.array()).all())
     uncovered_ = true;
 }
 
 void OccupancyMap::pass(const Vector3& from, const Vector3& to) noexcept {
-  constexpr double kNever = 1e30;
-  const Eigen::Vector3i first = cell_of(from);
+  const Eigen::Vector3i first = cell_of(from), last = cell_of(to);
   if (!inside(first)) return;
-  int left = (cell_of(to) - first).cwiseAbs().sum();  // steps from cell to cell
+  const bool leaves = !inside(last);
+  const Vector3 way = to - from, low = low_corner(first);
+  double end = 1.0;  // share of the ray at which it ends or leaves the window
+  // An axis in shares of the ray: of the first step between cells, and between two; `per` steps in a ray.
   struct Axis {
     int cell, step;
-    double next, each;  // share of the ray at the next step, and between two steps
-    double per;         // steps in a ray
-    // Steps up to a share of the ray.
-    int until(double share) const noexcept { return static_cast<int>(std::max(0.0, (share - next) * per + 1.0)); }
-    // Share at which the ray leaves the block.
-    double leaves() const noexcept {
-      const int in_block = cell & (kBlock - 1);
-      return next + (step > 0 ? kBlock - 1 - in_block : in_block) * each;
-    }
-    void go(int steps) noexcept {
-      cell += step * steps;
-      next += steps * each;
-    }
+    double next, each, per;
+    int until(double share) const noexcept { return static_cast<int>(greater(0.0, (share - next) * per + 1.0)); }
+    int after(int steps) const noexcept { return cell + step * steps; }
+    double share(int steps) const noexcept { return next + steps * each; }
+    // Steps with which the ray leaves its first block.
+    int leave() const noexcept { return step > 0 ? kBlock - (cell & (kBlock - 1)) : (cell & (kBlock - 1)) + 1; }
   };
-  double end = kNever;  // share at which the ray leaves the window
-  const Vector3 way = to - from, low = low_corner(first);
   const auto along = [&](int i) {
-    if (way[i] == 0.0) return Axis{first[i], 1, kNever, kNever, 1.0};
+    constexpr double kNever = 1e30;
+    if (way[i] == 0.0) return Axis{first[i], 1, kNever, 0.0, 1.0};
     const bool up = way[i] > 0.0;
-    const double each = size_ / std::abs(way[i]),
-                 next = std::abs(low[i] + (up ? size_ : 0.0) - from[i]) / std::abs(way[i]);
-    // The sum of steps may be less than this product, by rounding.
-    constexpr double kRounding = 1e-9;
-    end = std::min(end, next + (up ? cells()[i] - 1 - first[i] : first[i]) * each - kRounding);
+    const double per_way = 1.0 / way[i], each = size_ * std::abs(per_way);
+    const double next = (low[i] + (up ? size_ : 0.0) - from[i]) * per_way;
+    if (leaves)
+      end = less(end, next + (up ? cells()[i] - 1 - first[i] : first[i]) * each - 1e-9);  // inside, by rounding
     return Axis{first[i], up ? 1 : -1, next, each, std::abs(way[i]) / size_};
   };
-  Axis x = along(0), y = along(1), z = along(2);
-  const std::ptrdiff_t to_x = static_cast<std::ptrdiff_t>(x.step) * count_ * layers_;
-  const std::ptrdiff_t to_y = static_cast<std::ptrdiff_t>(y.step) * layers_;
-  while (left > 0 && inside({x.cell, y.cell, z.cell})) {
-    // Up to `out` the ray is in one block.
-    const double out = std::min(end, std::min(x.leaves(), y.leaves()));
-    const int up = z.until(out);
-    const int last = std::clamp(z.cell + z.step * up, 0, layers_ - 1);
-    const Layers passed = bits(std::min(z.cell, last), std::max(z.cell, last) + 1);
-    if ((passed & ~blocks_[block(x.cell, y.cell)].settled) == 0) {
-      if (out >= end) return;
-      const int steps_x = x.until(out), steps_y = y.until(out);
-      x.go(steps_x);
-      y.go(steps_y);
-      z.go(up);
-      left -= steps_x + steps_y + up;
-      continue;
-    }
-    Cell* cell = cells_.data() + at({x.cell, y.cell, z.cell});
-    double t;
-    do {
-      if (cell->frame != frame_ && cell->odds != least_) {
-        const int before = cell->odds == kUnseen ? 0 : cell->odds, after = std::max(before - pass_, least_);
-        cell->frame = frame_;
-        // Most are free, and stay so above the lower bound.
-        if (cell->odds < 0 && cell->odds != kUnseen && after > least_)
-          cell->odds = static_cast<std::int8_t>(after);
-        else
-          set(column(x.cell, y.cell), z.cell, after);
+  const Axis x = along(0), y = along(1), z = along(2);
+  const bool rises = z.step > 0;
+  const int z_end = leaves ? (rises ? layers_ - 1 : 0) : last.z();
+  const int lowest = std::min(z.cell, z_end), highest = std::max(z.cell, z_end);
+  const auto layer = [&](double share) { return std::clamp(z.after(z.until(share)), lowest, highest); };
+  const auto between = [rises](int a, int b) { return rises ? bits(a, b + 1) : bits(b, a + 1); };
+  const int steps = std::abs(last.x() - first.x()) + std::abs(last.y() - first.y());
+  // Of the present block: steps with which the ray leaves it, the share there, and the share at which it comes in.
+  int out_x = x.leave(), out_y = y.leave();
+  double next_x = x.share(out_x - 1), next_y = y.share(out_y - 1), in = -1.0;
+  bool in_by_x = true;
+  std::size_t at_block = block(x.cell, y.cell);
+  for (int in_z = z.cell;;) {
+    const bool by_x = next_x <= next_y;
+    const double out = less(end, by_x ? next_x : next_y);
+    const int out_z = layer(out);
+    if ((between(in_z, out_z) & ~blocks_[at_block].settled) != 0) {
+      change(at_block);
+      const auto steps_before = [&](const Axis& axis, int leave, bool by) {
+        if (in < 0.0) return 0;
+        return by ? leave - kBlock : std::clamp(axis.until(in), std::max(0, leave - kBlock), leave - 1);
+      };
+      const int steps_x = steps_before(x, out_x, in_by_x), steps_y = steps_before(y, out_y, !in_by_x);
+      int left = steps - steps_x - steps_y;
+      double column_x = x.share(steps_x), column_y = y.share(steps_y);
+      std::size_t at_column = column(x.after(steps_x), y.after(steps_y));
+      // From column to column, without branches: which axis is next cannot be guessed. Sums differ from products by
+      // rounding.
+      const double leave = out - 1e-12;
+      int z_before = in_z;
+      double t = less(column_x, column_y);
+      for (; left > 0 && t < end; --left) {
+        const bool on_x = column_x <= column_y;
+        const int z_after = layer(t);
+        passed_[at_column] |= between(z_before, z_after);
+        if (t >= leave) break;
+        z_before = z_after;
+        column_x += on_x ? x.each : 0.0;
+        column_y += on_x ? 0.0 : y.each;
+        at_column += static_cast<std::size_t>(on_x ? x.step * count_ : y.step);
+        t = less(column_x, column_y);
       }
-      // Without branches: which axis is next cannot be guessed.
-      t = std::min(x.next, std::min(y.next, z.next));
-      if (t >= end) return;
-      const bool along_x = x.next == t, along_y = !along_x && y.next == t, along_z = !along_x && !along_y;
-      cell += along_x ? to_x : along_y ? to_y : z.step;
-      x.cell += along_x ? x.step : 0;
-      y.cell += along_y ? y.step : 0;
-      z.cell += along_z ? z.step : 0;
-      x.next += along_x ? x.each : 0.0;
-      y.next += along_y ? y.each : 0.0;
-      z.next += along_z ? z.each : 0.0;
-      --left;
-    } while (left > 0 && t < out);
+      if (left == 0 || t >= end) {
+        const Layers ends = leaves ? between(z_before, layer(end)) : between(z_before, z_end) & ~(Layers{1} << z_end);
+        passed_[at_column] |= ends;
+        return;
+      }
+      if (left < 0) return;
+    }
+    if (out >= end) return;
+    in_z = out_z;
+    in = out;
+    in_by_x = by_x;
+    out_x += by_x ? kBlock : 0;
+    out_y += by_x ? 0 : kBlock;
+    next_x += by_x ? kBlock * x.each : 0.0;
+    next_y += by_x ? 0.0 : kBlock * y.each;
+    at_block += static_cast<std::size_t>(by_x ? count_ / kBlock * x.step : y.step);
   }
+}
+
+void OccupancyMap::change(std::size_t block) noexcept {
+  if (std::exchange(blocks_[block].changed, true)) return;
+  changed_.push_back(block);
+}
+
+void OccupancyMap::end() noexcept {
+  for (const std::size_t in : changed_) {
+    blocks_[in].changed = false;
+    const int in_row = count_ / kBlock, b = static_cast<int>(in), x = b / in_row * kBlock, y = b % in_row * kBlock;
+    for (int i = 0; i < kBlock * kBlock; ++i) {
+      const std::size_t c = column(x + i / kBlock, y + i % kBlock);
+      Layers layers = std::exchange(passed_[c], 0) & ~(columns_[c].settled | std::exchange(hits_[c], 0));
+      for (std::int8_t* odds = &odds_[c * static_cast<std::size_t>(layers_)]; layers != 0; layers &= layers - 1) {
+        const int z = std::countr_zero(layers), before = odds[z];
+        const int after = std::max((before == kUnseen ? 0 : before) - pass_, least_);
+        // Most are free, and stay so above the lower bound.
+        if (before < 0 && before != kUnseen && after > least_)
+          odds[z] = static_cast<std::int8_t>(after);
+        else
+          set(c, in, z, after);
+      }
+    }
+  }
+  changed_.clear();
 }
 
 bool OccupancyMap::freed_already(const Eigen::Vector3i& cell, bool surely) const noexcept {
   if (!inside(cell)) return true;
-  const int odds = cells_[at(cell)].odds;
+  const int odds = odds_[at(cell)];
   return surely ? odds != kUnseen && odds <= -pass_ : odds != kUnseen;
 }
 
 void OccupancyMap::take_for_free(const Eigen::Vector3i& cell, bool surely) noexcept {
-  if (!freed_already(cell, surely)) set(column(cell.x(), cell.y()), cell.z(), -pass_);
+  if (!freed_already(cell, surely)) set(column(cell.x(), cell.y()), block(cell.x(), cell.y()), cell.z(), -pass_);
 }
 
 void OccupancyMap::cover(Kind kind, CellBox region, std::vector<CellBox>& boxes) noexcept {

@@ -33,20 +33,20 @@ class OccupancyMap {
   /// moved.
   bool centre(double x, double y) noexcept;
 
-  /// A frame: begin(), then all its hits, then all its rays.
-  void begin() noexcept;
+  /// A frame: all its hits, then all its rays, then end(), with which the rays count.
   void hit(const Vector3& p) noexcept;
   /// A ray from the sensor to its end, or to its range; the end's cell stays.
   void pass(const Vector3& from, const Vector3& to) noexcept;
+  void end() noexcept;
   /// Takes a cell for free, if nothing else is known of it; `surely`: whatever is known.
   void take_for_free(const Eigen::Vector3i& cell, bool surely) noexcept;
   /// True if that changes nothing.
   bool freed_already(const Eigen::Vector3i& cell, bool surely) const noexcept;
 
-  bool occupied(const Eigen::Vector3i& cell) const noexcept { return inside(cell) && cells_[at(cell)].odds > 0; }
-  bool unseen(const Eigen::Vector3i& cell) const noexcept { return inside(cell) && cells_[at(cell)].odds == kUnseen; }
+  bool occupied(const Eigen::Vector3i& cell) const noexcept { return inside(cell) && odds_[at(cell)] > 0; }
+  bool unseen(const Eigen::Vector3i& cell) const noexcept { return inside(cell) && odds_[at(cell)] == kUnseen; }
   /// Log-odds in units of kUnit; kUnseen where no ray has been.
-  int odds(const Eigen::Vector3i& cell) const noexcept { return inside(cell) ? cells_[at(cell)].odds : kUnseen; }
+  int odds(const Eigen::Vector3i& cell) const noexcept { return inside(cell) ? odds_[at(cell)] : kUnseen; }
   Eigen::Vector3i cell_of(const Vector3& p) const noexcept;
   Vector3 low_corner(const Eigen::Vector3i& cell) const noexcept { return size_ * (cell + origin_).cast<double>(); }
   double cell() const noexcept { return size_; }
@@ -69,10 +69,6 @@ class OccupancyMap {
   static constexpr int kLongest = 16;  // cells
 
  private:
-  struct Cell {
-    std::int8_t odds = kUnseen;
-    std::uint8_t frame = 0;  // that changed it last
-  };
   bool inside(const Eigen::Vector3i& c) const noexcept {
     return (c.array() >= 0).all() && c.x() < count_ && c.y() < count_ && c.z() < layers_;
   }
@@ -84,6 +80,7 @@ class OccupancyMap {
   struct Block {
     Layers settled = 0;                             // layers in which all of its columns are settled
     std::array<std::uint8_t, kMostLayers> count{};  // settled cells of each layer
+    bool changed = false;                           // it is in changed_
   };
 
   std::size_t column(int x, int y) const noexcept { return static_cast<std::size_t>(x * count_ + y); }
@@ -94,20 +91,22 @@ class OccupancyMap {
   std::size_t at(const Eigen::Vector3i& c) const noexcept {
     return column(c.x(), c.y()) * static_cast<std::size_t>(layers_) + static_cast<std::size_t>(c.z());
   }
-  void set(std::size_t column, int z, int odds) noexcept;
+  void set(std::size_t column, std::size_t block, int z, int odds) noexcept;
+  void change(std::size_t block) noexcept;
 
   double size_;
   int count_, layers_;
   int hit_, pass_, least_, most_;                     // in units
   Eigen::Vector3i origin_ = Eigen::Vector3i::Zero();  // of the window's first cell, in cells
-  std::vector<Cell> cells_;
+  std::vector<std::int8_t> odds_;
   std::vector<Column> columns_;
   std::vector<Block> blocks_;
   std::vector<Layers> left_;     // cells of each column that cover() has not covered yet
   std::vector<Layers> covered_;  // cells of each column in a box of the last cover() of occupied cells
   CellBox region_;               // of that call
   bool uncovered_ = false;
-  std::uint8_t frame_ = 0;
+  std::vector<Layers> passed_, hits_;  // cells of each column that the present frame has met
+  std::vector<std::size_t> changed_;   // blocks with such cells
 };
 
 }  // namespace moma

@@ -159,14 +159,16 @@ void SeenMap::place_robot(const Vector3& base, const VectorX& q) noexcept {
     whole.extend(around_[i]);
   }
   around_robot_ = whole;
-  middle_W_ = whole.center();
-  radius_ = 0.5 * whole.diagonal().norm();
 }
 
 bool SeenMap::own(const Vector3& p_W) const noexcept {
-  if ((p_W - middle_W_).squaredNorm() > (radius_ + params_.own) * (radius_ + params_.own)) return false;
+  constexpr double kRounding = 1e-9;
+  const double near = params_.own * params_.own + kRounding;
+  if (around_robot_.squaredExteriorDistance(p_W) > near) return false;
   for (std::size_t i = 0; i < shapes_X_SW_.size(); ++i)
-    if (point_gap(model_->shapes[i].shape, shapes_X_SW_[i] * p_W) <= params_.own) return true;
+    if (around_[i].squaredExteriorDistance(p_W) <= near &&
+        point_gap(model_->shapes[i].shape, shapes_X_SW_[i] * p_W) <= params_.own)
+      return true;
   return false;
 }
 
@@ -183,7 +185,6 @@ void SeenMap::take(Waiting& sensor) noexcept {
   const Vector3 from = X_WC.translation();
   const double range = sensor.mounted->sensor.range;
   if (!is_pose(X_WC)) return;
-  map_.begin();
   VectorX& ranges = sensor.frame.ranges;
   for (Eigen::Index i = 0; i < ranges.size(); ++i) {
     const double r = ranges[i];
@@ -200,19 +201,21 @@ void SeenMap::take(Waiting& sensor) noexcept {
   // Ends of rays count in each frame. Of the rays as a checkerboard one colour frees cells in a frame, the other in the
   // next.
   const long colour = std::lround(sensor.frame.time * s.rate) & 1;
-  for (Eigen::Index i = 0; i < ranges.size(); ++i) {
-    const double r = std::min(ranges[i], range);
-    if (!(r > 0.0)) continue;
-    const auto place = static_cast<int>(i);
-    const int row = place / s.columns, column = place % s.columns;
-    if (((row + column) & 1) != colour) continue;
-    const auto both = static_cast<unsigned>(row | column);
-    const int level = std::min(kLevels, std::countr_zero(both));
-    const double begins = level == kLevels ? 0.0 : map_.cell() / (apart * (2 << level));
-    if (begins >= r) continue;
-    const Vector3 along = X_WC.linear() * sensor.directions_C[static_cast<std::size_t>(i)];
-    map_.pass(from + begins * along, from + r * along);
-  }
+  std::array<double, kLevels + 1> begins{};
+  for (int level = 0; level < kLevels; ++level)
+    begins[static_cast<std::size_t>(level)] = map_.cell() / (apart * (2 << level));
+  for (int row = 0; row < s.rows; ++row)
+    for (int column = static_cast<int>((row ^ colour) & 1); column < s.columns; column += 2) {
+      const int i = row * s.columns + column;
+      const double r = std::min(ranges[i], range);
+      if (!(r > 0.0)) continue;
+      const int level = std::min(kLevels, std::countr_zero(static_cast<unsigned>(row | column)));
+      const double begin = begins[static_cast<std::size_t>(level)];
+      if (begin >= r) continue;
+      const Vector3 along = X_WC.linear() * sensor.directions_C[static_cast<std::size_t>(i)];
+      map_.pass(from + begin * along, from + r * along);
+    }
+  map_.end();
 }
 
 // Cells whose middle is within `margin` of a shape are free.

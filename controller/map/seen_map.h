@@ -79,8 +79,6 @@ class SeenMap {
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> shapes_X_WS_, shapes_X_SW_;
   std::vector<Eigen::AlignedBox3d> around_;  // boxes around the shapes
   Eigen::AlignedBox3d around_robot_;
-  Vector3 middle_W_ = Vector3::Zero();  // of the robot's bounding ball
-  double radius_ = 0.0;
   std::vector<Waiting> sensors_;
   std::vector<Moment> base_log_, joint_log_;  // rings
   std::size_t logged_ = 0;

@@ -147,21 +147,30 @@ void RayView::draw(const Shape& shape, const Isometry& X_WS, int id) noexcept {
     }
   }
   const Isometry X_SC = X_WS.inverse(Eigen::Isometry) * X_WC_;
-  const int last = std::min(rows_, first_ray(rows.to, rows_, elevation_) + 1);
-  for (int row = first_ray(rows.from, rows_, elevation_); row < last; ++row)
-    for (const double turn : {0.0, 2.0 * kPi, -2.0 * kPi})  // the window may extend over the seam behind the sensor
-      if (columns.to + turn >= -azimuth_ && columns.from + turn <= azimuth_)
-        draw_columns(shape, X_SC, row, {columns.from + turn, columns.to + turn}, id);
-}
-
-void RayView::draw_columns(const Shape& shape, const Isometry& X_SC, int row, const Window& azimuth, int id) noexcept {
-  const int last = std::min(columns_, first_ray(azimuth.to, columns_, azimuth_) + 1);
-  for (int column = first_ray(azimuth.from, columns_, azimuth_); column < last; ++column) {
-    const auto ray = static_cast<std::size_t>(row * columns_ + column);
-    const double d = ray_distance(shape, X_SC.translation(), X_SC.linear() * directions_[ray]);
-    if (!(d < distances_[ray]) || d > range_) continue;
-    distances_[ray] = d;
-    ids_[ray] = id;
+  // A ray along u misses the tube about the solid's axis a through p if (u, a x p)^2 > r^2 |u x a|^2.
+  const bool round = shape.kind == ShapeKind::kCylinder || shape.kind == ShapeKind::kCapsule;
+  const Vector3 axis = X_SC.linear().row(2), moment = axis.cross(centre);
+  const double square = shape.size[0] * shape.size[0];
+  const auto misses = [&](const Vector3& u) {
+    constexpr double kRounding = 1e-9;
+    const double across = moment.dot(u), along = axis.dot(u);
+    return across * across > square * (1.0 - along * along) + kRounding;
+  };
+  const int last_row = std::min(rows_, first_ray(rows.to, rows_, elevation_) + 1);
+  for (const double turn : {0.0, 2.0 * kPi, -2.0 * kPi}) {  // the window may extend over the seam behind the sensor
+    if (!(columns.to + turn >= -azimuth_ && columns.from + turn <= azimuth_)) continue;
+    const int first = first_ray(columns.from + turn, columns_, azimuth_),
+              last = std::min(columns_, first_ray(columns.to + turn, columns_, azimuth_) + 1);
+    for (int row = first_ray(rows.from, rows_, elevation_); row < last_row; ++row)
+      for (int column = first; column < last; ++column) {
+        const auto ray = static_cast<std::size_t>(row * columns_ + column);
+        const Vector3& u = directions_[ray];
+        if (round && misses(u)) continue;
+        const double d = ray_distance(shape, X_SC.translation(), X_SC.linear() * u);
+        if (!(d < distances_[ray]) || d > range_) continue;
+        distances_[ray] = d;
+        ids_[ray] = id;
+      }
   }
 }
 

@@ -42,7 +42,6 @@ class RayView {
   struct Window {
     double from, to;  // [rad]
   };
-  void draw_columns(const Shape& shape, const Isometry& X_SC, int row, const Window& azimuth, int id) noexcept;
 
   int columns_, rows_;
   double range_, azimuth_, elevation_;  // half angles

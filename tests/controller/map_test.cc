@@ -47,9 +47,9 @@ std::vector<Frame> frames() {
 }
 
 void insert(const Frame& frame, OccupancyMap& map) {
-  map.begin();
   for (const Vector3& end : frame.ends) map.hit(end);
   for (const Vector3& end : frame.ends) map.pass(frame.from, end);
+  map.end();
 }
 
 OccupancyMap filled() {
@@ -147,10 +147,9 @@ TEST(OccupancyMap, ARayFreesWhatASmallStepMeets) {
     const Vector3 from(inside(engine), inside(engine), 1.0 + 0.3 * inside(engine));
     const Vector3 to = k % 10 == 0 ? Vector3(from.x(), place(engine), from.z())
                                    : Vector3(place(engine), place(engine), height(engine));
-    map.begin();
     map.pass(from, to);
+    map.end();
     OccupancyMap walked(MapParams{});
-    walked.begin();
     const int parts = static_cast<int>((to - from).norm() / 1e-4) + 1;
     for (int i = 0; i < parts; ++i) {
       const Eigen::Vector3i cell = walked.cell_of(from + (i / static_cast<double>(parts)) * (to - from));
@@ -226,23 +225,23 @@ TEST(OccupancyMap, TellsOfCellsThatItsBoxesMiss) {
   OccupancyMap map(MapParams{});
   const CellBox all{{0, 0, 0}, map.cells()};
   EXPECT_FALSE(map.uncovered());
-  map.begin();
   map.hit({1.0, 0.5, 0.7});
+  map.end();
   std::vector<CellBox> boxes;
   boxes.reserve(10);
   map.cover(OccupancyMap::Kind::kOccupied, all, boxes);
   ASSERT_EQ(boxes.size(), 1u);
   EXPECT_FALSE(map.uncovered());
-  map.begin();
   map.hit({1.0, 0.5, 0.7});
+  map.end();
   EXPECT_FALSE(map.uncovered());
-  map.begin();
   map.hit({1.0, 0.5, 0.8});
+  map.end();
   EXPECT_TRUE(map.uncovered());
   map.cover(OccupancyMap::Kind::kOccupied, {{0, 0, 0}, map.cell_of({0.8, 0.5, 0.7})}, boxes);
   EXPECT_FALSE(map.uncovered());
-  map.begin();
   map.hit({1.0, 0.5, 0.9});
+  map.end();
   EXPECT_FALSE(map.uncovered()) << "outside the region";
 }
 
@@ -255,9 +254,7 @@ TEST(OccupancyMap, TakesNoMemory) {
   const NoAlloc guard;
   for (int k = 0; k < 300; ++k) insert({seen[static_cast<std::size_t>(k) % seen.size()].from, {}}, map);
   for (const Frame& frame : seen) {
-    map.begin();
-    for (const Vector3& end : frame.ends) map.hit(end);
-    for (const Vector3& end : frame.ends) map.pass(frame.from, end);
+    insert(frame, map);
     map.centre(frame.from.x() * 4.0, 0.0);
     map.cover(OccupancyMap::Kind::kOccupied, {{0, 0, 0}, map.cells()}, boxes);
   }

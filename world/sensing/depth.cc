@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <optional>
 
 #include "world/sensing/delay_line.h"
 
@@ -17,17 +16,19 @@ namespace {
 constexpr std::size_t kSensors = 1'000'000;
 
 // Errors of two rays from two draws: a pair of normals (Box & Muller), and whether each is missing. A draw has bits for
-// two numbers.
+// two numbers. Rays that meet nothing need no normals.
 struct PairOfErrors {
-  double normal[2];
+  double normal[2]{};
   bool missing[2];
 
-  PairOfErrors(Draws& draws, double share_missing) {
+  PairOfErrors(Draws& draws, double share_missing, bool normals) {
     const auto [of_radius, of_angle] = two(draws.uniform());
-    const double radius = std::sqrt(-2.0 * std::log(1.0 - of_radius));  // of a number in (0, 1]
-    const double angle = 2.0 * std::numbers::pi * of_angle;
-    normal[0] = radius * std::cos(angle);
-    normal[1] = radius * std::sin(angle);
+    if (normals) {
+      const double radius = std::sqrt(-2.0 * std::log(1.0 - of_radius));  // of a number in (0, 1]
+      const double angle = 2.0 * std::numbers::pi * of_angle;
+      normal[0] = radius * std::cos(angle);
+      normal[1] = radius * std::sin(angle);
+    }
     const auto [first, second] = two(draws.uniform());
     missing[0] = first < share_missing;
     missing[1] = second < share_missing;
@@ -35,7 +36,7 @@ struct PairOfErrors {
 
  private:
   static std::array<double, 2> two(double uniform) {
-    const double both = uniform * 0x1p26, first = std::floor(both);
+    const double both = uniform * 0x1p26, first = static_cast<double>(static_cast<long>(both));
     return {first * 0x1p-26, both - first};
   }
 };
@@ -90,21 +91,23 @@ void DepthSensing::measure(const RayView& view, Draws draws, VectorX& ranges) co
   const Isometry& X_WC = view.pose();
   const double height = X_WC.translation().z();
   const Vector3 down_C = -X_WC.linear().row(2).transpose();
-  const bool exact = errors_ == RangeErrors{};
-  std::optional<PairOfErrors> errors;
   for (Eigen::Index i = 0; i < ranges.size(); ++i) {
-    const auto ray = static_cast<std::size_t>(i);
-    double r = view.distances()[ray];
-    const double falls = down_C.dot(view.directions_C()[ray]);
+    double r = view.distances()[static_cast<std::size_t>(i)];
+    const double falls = down_C.dot(view.directions_C()[static_cast<std::size_t>(i)]);
     if (falls > 0.0 && height > 0.0) r = std::min(r, height / falls);
-    if (!(r <= view.range())) r = std::numeric_limits<double>::infinity();
-    if (!exact) {
-      // As many draws for each ray, so that no ray's errors depend on what another one met.
-      if (ray % 2 == 0) errors.emplace(draws, errors_.missing);
-      if (std::isfinite(r)) r = std::max(0.0, r + (errors_.noise + errors_.growth * r * r) * errors->normal[ray % 2]);
-      if (errors->missing[ray % 2]) r = 0.0;
+    ranges[i] = r <= view.range() ? r : std::numeric_limits<double>::infinity();
+  }
+  if (errors_ == RangeErrors{}) return;
+  // As many draws for each ray, so that no ray's errors depend on what another one met.
+  for (Eigen::Index i = 0; i < ranges.size(); i += 2) {
+    const Eigen::Index both = std::min<Eigen::Index>(2, ranges.size() - i);
+    const bool any = std::isfinite(ranges[i]) || std::isfinite(ranges[i + both - 1]);
+    const PairOfErrors errors(draws, errors_.missing, any);
+    for (Eigen::Index k = 0; k < both; ++k) {
+      double& r = ranges[i + k];
+      if (std::isfinite(r)) r = std::max(0.0, r + (errors_.noise + errors_.growth * r * r) * errors.normal[k]);
+      if (errors.missing[k]) r = 0.0;
     }
-    ranges[i] = r;
   }
 }
 
