@@ -22,7 +22,7 @@ constexpr double kAnyLength = 1e18;
 // Least share of an edge's time that overlaps leave, and of the best run's time that further runs leave.
 constexpr double kOverlapped = 0.75, kShortened = 0.6;
 // Part of the joints' margins that is kept in each tier.
-constexpr std::array<double, 3> kRoom{1.0, 1.0, 0.0};
+constexpr std::array<double, 4> kRoom{1.0, 1.0, 0.0, 0.0};
 // Distance of goals beyond the rows' stop distances, at which the robot would not arrive [m].
 constexpr double kWithinRows = 0.002;
 // Poses of a goal with free directions whose distances from objects are looked at.
@@ -95,7 +95,7 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
     if (needed < params_.clearance) needed_ = needed;
   }
   // If the hand is near an object at its goal, no way is roomy.
-  const int first = close_goal() && params_.roomy > params_.clearance ? 1 : 0;
+  const int first = close_goal() && params_.roomy > params_.clearance ? kClear : kRoomy;
   const Keeps before = tiers_[static_cast<std::size_t>(tier_)];
   set_turn(same && close_goal());
   set_tiers(first);
@@ -125,9 +125,11 @@ void Planner::set_turn(bool stays) noexcept {
 void Planner::set_tiers(int first) noexcept {
   const double tight = params_.search.tight * params_.clearance / (effort_ >= params_.search.hard ? 2.0 : 1.0);
   const double arm = effort_ > params_.search.hard ? 0.5 * tight : tight;  // at the goal, one failed plan later
+  const std::array<double, kTiers> objects{std::max(params_.roomy, params_.clearance), params_.clearance,
+                                           0.5 * (1.0 + params_.search.tight) * params_.clearance, tight};
   for (int tier = first; tier < kTiers; ++tier) {
-    const bool close = tier == kTiers - 1;  // as close to the goal as `at_goal` lets rows be, whatever the hand needs
-    const double object = tier == 0 ? std::max(params_.roomy, params_.clearance) : close ? tight : params_.clearance;
+    const bool close = tier == kTight;  // as close to the goal as `at_goal` lets rows be, whatever the hand needs
+    const double object = objects[static_cast<std::size_t>(tier)];
     space_.set_clearances({object, params_.self, params_.self}, start_, turn_, kRoom[static_cast<std::size_t>(tier)]);
     // The mean of the rows' distance and the hand's own.
     double kept = close ? 0.0 : 0.5 * (1.0 + at_goal_.part) * needed_;
@@ -293,7 +295,7 @@ void Planner::take_goal(GoalConfiguration& goal) noexcept {
   };
   goal.tier = last_tier();
   if (!free(goal.tier)) return;
-  for (int tier = tier_; tier < last_tier(); ++tier) {
+  for (int tier = tier_; tier < last_tier(); tier = after(tier)) {
     if (!free(tier)) continue;
     goal.tier = tier;
     break;
@@ -337,7 +339,7 @@ void Planner::begin_runs() noexcept {
 
 // Returns half of the work for the roomy tier, and a quarter before the last tier for a close goal.
 long Planner::tier_checks() const noexcept {
-  if (tier_ == 0 && params_.roomy > params_.clearance) return params_.checks / 2;
+  if (tier_ == kRoomy && params_.roomy > params_.clearance) return params_.checks / 2;
   return close_goal() && tier_ != last_tier() ? params_.checks / 4 : params_.checks;
 }
 
@@ -399,13 +401,16 @@ void Planner::end_tier() noexcept {
   }
 }
 
-// The last of all is for goals that nothing else reaches: what is only quicker keeps its distance.
-int Planner::last_tier() const noexcept { return at_goal_.enabled && !(within_ < kInfinity) ? kTiers - 1 : kTiers - 2; }
+// What is only quicker keeps its distance.
+int Planner::last_tier() const noexcept { return at_goal_.enabled && !(within_ < kInfinity) ? kTight : kClear; }
+
+// A goal close to an object has no narrow tier: what it needs is less at the goal alone.
+int Planner::after(int tier) const noexcept { return tier + (tier + 1 == kNarrow && close_goal() ? 2 : 1); }
 
 // False if this is the last tier.
 bool Planner::next_tier() noexcept {
-  int next = tier_ + 1;
-  if (next == 1 && params_.roomy <= params_.clearance) ++next;
+  int next = after(tier_);
+  if (next == kClear && params_.roomy <= params_.clearance) next = after(next);
   if (next > last_tier()) return false;
   goes_on_ = false;
   if (!close_goal()) tries_ = 0;

@@ -47,9 +47,10 @@ struct PlanCounts {
 ///
 /// Routes and paths past corners are those of robots that drive, to goals that are not close to an object.
 ///
-/// Tiers: the plan keeps the roomy clearance first, then the smaller one, then a share of that, with a closer approach
-/// to the goal and less room to joint limits. If the hand is nearer to an object at the goal than the clearance, the
-/// kept distance shrinks towards that in every tier (`at_goal`). The work consists of pieces (one inverse kinematics,
+/// Tiers: the plan keeps the roomy clearance first, then the smaller one, then less room to joint limits and the mean of
+/// the clearance and a share of it, then that share, with a closer approach to the goal. If the hand is nearer to an
+/// object at the goal than the clearance, the kept distance shrinks towards that in every tier (`at_goal`), and the
+/// mean is left out. The work consists of pieces (one inverse kinematics,
 /// or one edge's checks); the plan does not depend on how they are spread over control steps. No clock decides
 /// anything, and all draws come from the seed. Only construction and set_objects() allocate.
 class Planner {
@@ -105,6 +106,7 @@ class Planner {
   void take_goal(GoalConfiguration& goal) noexcept;
   long tier_checks() const noexcept;
   int last_tier() const noexcept;
+  int after(int tier) const noexcept;
   bool within_rows(const WholeConfiguration& c) noexcept;
   void begin_runs() noexcept;
   void begin_run() noexcept;
@@ -115,7 +117,7 @@ class Planner {
   void label_path() noexcept;
   /// True for a path past its corners: of a robot that drives, to a goal that is not close to an object.
   bool smooths() const noexcept { return limits_->mobile() && !close_goal() && params_.smooth.tries > 0; }
-  double beyond() const noexcept { return tier_ == 0 ? params_.search.roomy_beyond : params_.search.beyond; }
+  double beyond() const noexcept { return tier_ == kRoomy ? params_.search.roomy_beyond : params_.search.beyond; }
   void begin_route() noexcept;
   void route() noexcept;
   void begin_smooth() noexcept;
@@ -145,9 +147,9 @@ class Planner {
   Isometry X_WG_ = Isometry::Identity();
   FreeDirections free_;
   CountedDraws draws_;
-  static constexpr int kTiers = 3;
+  enum Tier { kRoomy, kClear, kNarrow, kTight, kTiers };
   std::array<Keeps, kTiers> tiers_;
-  int tier_ = 0;
+  int tier_ = kRoomy;
   std::vector<GoalConfiguration> goals_;  // from the search on those of the tier first, the cheapest first
   double within_ = 0.0;
   int late_ = 0;   // goal configurations that are too far away

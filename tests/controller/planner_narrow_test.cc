@@ -282,6 +282,38 @@ TEST(Planner, TheLastTierComesCloserAfterTwoPlansThatFailed) {
   EXPECT_GT(late, 0);
 }
 
+// A low wall across the way with a gap that leaves a Frankie's base `margin` on either side.
+Scene before_a_gap(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed, double margin) {
+  Scene scene = behind_a_wall(model, seed);
+  constexpr double kHalf = 3.0, kWide = 1.0;  // of each part, and of the gap until it is measured
+  scene.shapes = {{"left", make_box(0.2, 2.0 * kHalf, 0.3)}, {"right", make_box(0.2, 2.0 * kHalf, 0.3)}};
+  scene.states.resize(2);
+  const auto set = [&](double gap) {
+    scene.states[0].X_WO.translation() << 1.4, kHalf + 0.5 * gap, 0.15;
+    scene.states[1].X_WO.translation() << 1.4, -kHalf - 0.5 * gap, 0.15;
+  };
+  set(kWide);
+  Kinematics inside(model);
+  inside.update(Vector3(1.4, 0.0, 0.0), model->ready);
+  set(kWide - 2.0 * (object_clearance(*model, inside, scene) - margin));
+  return scene;
+}
+
+// A way with less than the clearance keeps more than the last tier does if it can.
+TEST(Planner, BeforeTheLastTierAPathKeepsTheMean) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  const ControllerParams params = close_params(*model, 12000);
+  const double clearance = params.plan.clearance, tight = params.plan.search.tight * clearance;
+  Planner planner(model, params);
+  int mean = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    if (!plan_whole(planner, before_a_gap(model, seed, 0.9 * clearance), seed)) continue;
+    EXPECT_LT(planner.path().clearance, clearance) << "seed " << seed;
+    mean += planner.path().clearance == 0.5 * (1.0 + params.plan.search.tight) * clearance ? 1 : 0;
+  }
+  EXPECT_GE(mean, 6);
+}
+
 // From some moment on the time that a search takes counts more than a quicker path.
 TEST(Planner, InAHurryTheBestSoFarCounts) {
   const auto model = load_model("configs/robots/panda.yaml");
