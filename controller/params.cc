@@ -6,7 +6,7 @@
 #include "controller/describe/check.h"
 #include "controller/map/occupancy_map.h"
 #include "controller/model/base_kind.h"
-#include "controller/model/limit_part.h"
+#include "controller/model/robot_model.h"
 #include "controller/params_described.h"
 #include "controller/qp/limits.h"
 
@@ -71,7 +71,7 @@ class Checker {
 
   void source_margins() {
     for (int i = 0; i < model_.num_joints(); ++i) {
-      const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
+      const ControlledJoint& joint = model_.joint(i);
       if (std::isinf(joint.lower) && std::isinf(joint.upper)) continue;
       const double margin = p_.joint_limits.margin[i];
       const double step = joint.velocity * longest_;
@@ -190,7 +190,7 @@ ControllerParams resolved(ControllerParams p, const RobotModel& model) {
     }
   }
   for (int i = 0; p.joint_share > 0.0 && i < model.num_joints(); ++i) {
-    const double most = model.joints[static_cast<std::size_t>(i)].acceleration;
+    const double most = model.joint(i).acceleration;
     if (std::isfinite(most)) p.acceleration_limit[model.base_dof() + i] = p.joint_share * most;
   }
   if (p.joint_limits.auto_margin) p.joint_limits.margin = resolve_margin(model, p.joint_limits);

@@ -32,8 +32,9 @@ constexpr void describe(auto& v, Of<ServoParams>) {
            in_range(Range::positive_or_inf(), "rad/s", "largest length of nu's angular part"));
   v.member(
       "error", &T::error,
-      {.written = Written::kUnlessDefault,
-       .text = "e_R: the rotation vector, or roll, pitch and yaw of the goal as seen from E, as in published code"});
+      unless_default(
+          {.text =
+               "e_R: the rotation vector, or roll, pitch and yaw of the goal as seen from E, as in published code"}));
 }
 
 constexpr void describe(auto& v, Of<ErrorNormParams>) {
@@ -71,9 +72,8 @@ constexpr void describe(auto& v, Of<JointLimitParams>) {
   v.member("stop", &T::stop, non_negative("rad or m", "rho_s: distance kept from the limit"));
   v.member("gain", &T::gain, positive("rad/s or m/s", "eta of the damper"));
   v.member("share", &T::share,
-           {.range = {0.0, 1.0, true, false},
-            .written = Written::kUnlessDefault,
-            .text = "share of the acceleration limit with which `braking` brakes"});
+           unless_default(
+               in_range({0.0, 1.0, true, false}, "", "share of the acceleration limit with which `braking` brakes")));
 }
 
 constexpr void describe(auto& v, Of<DamperParams>) {
@@ -92,8 +92,7 @@ constexpr void describe(auto& v, Of<CollisionParams>) {
   v.member("self", &T::self, {.text = "rows between the robot's own shapes"});
   v.optional("braking", &T::braking, &BrakingParams::enabled, Off::kOmitted,
              "rows bound speeds by those from which the robot can still stop");
-  v.member("relaxation", &T::relaxation,
-           {.written = Written::kUnlessDefault, .text = "relaxation of rows that contradict each other"});
+  v.member("relaxation", &T::relaxation, unless_default({.text = "relaxation of rows that contradict each other"}));
   v.optional("check", &T::check, &BrakeCheckParams::enabled, Off::kOmitted,
              "check ahead: scales down commands whose backup trajectory comes too near to objects at rest");
   v.optional(
@@ -200,16 +199,14 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
               .one_for_all = true,
               .text = "acceleration limit of each velocity; default .inf"});
     g.member("base", &T::base_share,
-             {.unit = "1",
-              .range = {0.0, 1.0},
-              .written = Written::kUnlessDefault,
-              .text = "share of the robot's base.max_acceleration as a bound in every stage; 0: `acceleration`"});
+             unless_default(
+                 in_range({0.0, 1.0}, "1",
+                          "share of the robot's base.max_acceleration as a bound in every stage; 0: `acceleration`")));
     g.member("joints", &T::joint_share,
-             {.unit = "1",
-              .range = {0.0, 1.0},
-              .written = Written::kUnlessDefault,
-              .text = "share of a joint's own acceleration as its limit if the robot file has it (`arm.limits`), else "
-                      "and at 0 `acceleration`"});
+             unless_default(in_range(
+                 {0.0, 1.0}, "1",
+                 "share of a joint's own acceleration as its limit if the robot file has it (`arm.limits`), else "
+                 "and at 0 `acceleration`")));
     g.optional("sight", &T::sight, &SightParams::enabled, Off::kOmitted,
                "bound on the base's speed: it can stop in front of objects that come into sight");
   });
@@ -224,8 +221,7 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
   v.optional("escape", &T::escape, &EscapeParams::enabled, Off::kKept, "detours out of local minima");
   v.optional("plan", &T::plan, &PlanParams::enabled, Off::kOmitted,
              "looking ahead: predictions, and planned paths of base and arm");
-  v.member("closed_form", &T::closed_form,
-           {.written = Written::kUnlessDefault, .text = "singularities and limits in rrmc, park and baur"});
+  v.member("closed_form", &T::closed_form, unless_default({.text = "singularities and limits in rrmc, park and baur"}));
   v.optional("base_first", &T::base_first, &BaseFirstParams::enabled, Off::kOmitted,
              "separate motion: the base drives until the goal is in reach, then the arm moves");
   v.member("solver", &T::solver, {.text = "solver of the QP"});

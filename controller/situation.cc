@@ -26,8 +26,7 @@ Assessment::Assessment(std::shared_ptr<const RobotModel> model, const Controller
       J_m_(VectorX::Zero(model->num_joints())) {
   aimed_.q = J_m_;
   aimed_.qdot = VectorX::Zero(model->num_velocities());
-  for (int i = 0; i < model->num_joints(); ++i)
-    prismatic_[i] = model->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? 1 : 0;
+  for (int i = 0; i < model->num_joints(); ++i) prismatic_[i] = model->joint(i).type == JointType::kPrismatic ? 1 : 0;
 }
 
 Situation Assessment::assess(const Observation& seen, std::span<const PlaceSpread> spreads, const Execution& execution,

@@ -24,8 +24,7 @@ constexpr void describe(auto& v, Of<ObjectState>) {
   using T = ObjectState;
   v.member("pose", &T::X_WO, {});
   v.member("twist", &T::V_WO_W, quantity("rad/s, m/s", "[angular; linear], at the object's origin"));
-  v.member("visible", &T::visible,
-           {.written = Written::kUnlessDefault, .text = "where it is not, the rest means nothing"});
+  v.member("visible", &T::visible, unless_default({.text = "where it is not, the rest means nothing"}));
   v.member("covariance", &T::covariance, {.text = "as a tracker states it of this measurement"});
 }
 
@@ -33,12 +32,11 @@ constexpr void describe(auto& v, Of<GoalState>) {
   using T = GoalState;
   v.member("pose", &T::X_WG, {.required = true});
   v.member("twist", &T::V_WG_W, quantity("rad/s, m/s", "[angular; linear], the goal's own; 0 where it stands still"));
-  v.member("stop", &T::stop,
-           {.written = Written::kUnlessDefault, .text = "where it is not, the hand passes through on its way on"});
-  v.member("free", &T::free,
-           {.range = {0.0, 1.0},
-            .written = Written::kUnlessDefault,
-            .text = "1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z"});
+  v.member("stop", &T::stop, unless_default({.text = "where it is not, the hand passes through on its way on"}));
+  v.member(
+      "free", &T::free,
+      unless_default(in_range(
+          {0.0, 1.0}, "", "1: the rotation about, or the place along, this axis of the goal is free; rx ry rz x y z")));
 }
 
 constexpr void describe(auto& v, Of<Carried>) {
@@ -46,9 +44,8 @@ constexpr void describe(auto& v, Of<Carried>) {
   v.member("object", &T::object, {.range = {0.0, 1e6}, .required = true, .text = "its index among the objects"});
   v.member("pose", &T::X_EO, {.required = true});
   v.member("support", &T::support,
-           {.range = {-2.0, 1e6},
-            .written = Written::kUnlessDefault,
-            .text = "index of the object that it has not been lifted clear of; -2: the floor, -1: none"});
+           unless_default(in_range(
+               {-2.0, 1e6}, "", "index of the object that it has not been lifted clear of; -2: the floor, -1: none")));
   v.member("touch", &T::touch,
            {.range = {-1.0, 1e6},
             .written = Written::kUnlessDefault,
@@ -113,6 +110,5 @@ static_assert(is_complete<ObjectCovariance>() && is_complete<GoalState>() && is_
 inline void all_members_of(const ObjectState& state) {
   [[maybe_unused]] const auto& [pose, twist, visible, covariance, box, seen] = state;  // the last two stay inside
 }
-static_assert(all_worded<StepStatus>() && all_worded<Fallback>());
 
 }  // namespace moma

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -50,8 +49,8 @@ concept SteppedController = requires(T& controller, const T& constant, std::span
 
 inline Setup read_setup(const moma_plugin_setup& setup) {
   Setup out;
-  out.robot = config::robot_from_resolved(nlohmann::ordered_json::parse(setup.robot)).model;
-  out.parameters = config::node_from_json(nlohmann::ordered_json::parse(setup.parameters), "");
+  out.robot = config::robot_from_resolved(Json::parse(setup.robot)).model;
+  out.parameters = config::node_from_json(Json::parse(setup.parameters), "");
   out.control_period = setup.control_period;
   return out;
 }

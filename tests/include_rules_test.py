@@ -33,7 +33,7 @@ RULES = [
     ("controller", "nlohmann/", "controller/(config|case)/", "JSON belongs to the controller's file formats"),
     ("world", "(controller/(task|qp|solver|closed_form|policy|guard|case)/|eval/|reports/)", None, "worlds see the robot, never the controller or the evaluation"),
     ("eval/(stats|risk|search)", "(controller/model|world|plugin|eval/(trial|suite|batch|store|tune|run|cli))/", None, "statistics, rare events and the search for gains know no robot, no trial and no store"),
-    ("eval/identify", "(controller/(task|qp|solver|closed_form|case|controller)[./]|plugin/|eval/(stats|trial|suite|batch|store|search|tune|run|cli)/)", None, "identification knows a robot's log and nothing of trials"),
+    ("eval/identify", "(controller/(task|qp|solver|closed_form|case|controller)[./]|plugin/|eval/(trial|suite|batch|store|search|tune|run|cli)/)", None, "identification knows a robot's log and nothing of trials"),
     ("eval/trial", "eval/(stats|suite|batch|store|search|tune|run|cli)/", None, "a trial needs its spec and its world alone"),
     ("eval/suite", "eval/(stats|batch|store|search|tune|run|cli)/", None, "a suite makes specs of files and computes nothing"),
     ("eval/batch", "eval/(store|search|tune|run|cli)/", None, "a batch computes trials whoever keeps them"),

@@ -117,15 +117,15 @@ MovingPose move(const SplineMotion& motion, const Isometry& X_0, double t) {
 }
 
 bool all_equal(const std::vector<Vector3>& points) {
-  return std::all_of(points.begin(), points.end(), [&](const Vector3& p) { return p == points.front(); });
+  return std::ranges::all_of(points, [&](const Vector3& p) { return p == points.front(); });
 }
 
 bool rest(const StaticMotion&, double) { return true; }
 bool rest(const LinearMotion& motion, double) { return motion.V_W.isZero(0.0); }
 bool rest(const PathMotion& motion, double t) {
   if (motion.times.empty() || t >= motion.times.back()) return true;
-  const bool same = std::all_of(motion.quaternions.begin(), motion.quaternions.end(),
-                                [&](const auto& q) { return q.coeffs() == motion.quaternions.front().coeffs(); });
+  const bool same = std::ranges::all_of(
+      motion.quaternions, [&](const auto& q) { return q.coeffs() == motion.quaternions.front().coeffs(); });
   return same && all_equal(motion.positions);
 }
 bool rest(const CircleMotion& motion, double) { return motion.rate == 0.0; }
@@ -141,6 +141,15 @@ MovingPose evaluate(const Motion& motion, const Isometry& X_0, double t) {
 
 bool at_rest(const Motion& motion, double t) {
   return std::visit([&](const auto& kind) { return rest(kind, t); }, motion);
+}
+
+PathMotion to_and_fro(const Vector3& from, const Vector3& to, double leg, double duration) {
+  PathMotion motion;
+  for (int k = 0; k * leg < duration + leg; ++k) {
+    motion.times.push_back(k * leg);
+    motion.positions.push_back(k % 2 == 0 ? from : to);
+  }
+  return motion;
 }
 
 }  // namespace moma

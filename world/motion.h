@@ -39,4 +39,7 @@ MovingPose evaluate(const Motion& motion, const Isometry& X_0, double t);
 /// True if the pose is at rest from time t on.
 bool at_rest(const Motion& motion, double t);
 
+/// A path back and forth between two points, `leg` seconds each way, until `duration` has passed.
+PathMotion to_and_fro(const Vector3& from, const Vector3& to, double leg, double duration);
+
 }  // namespace moma

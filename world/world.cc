@@ -44,8 +44,7 @@ void object_states(const World& world, double t, std::vector<ObjectState>& state
 
 bool carries(const World& world) {
   return world.held || !world.goal.take.empty() ||
-         std::any_of(world.further.begin(), world.further.end(),
-                     [](const WorldGoal& goal) { return !goal.take.empty(); });
+         std::ranges::any_of(world.further, [](const WorldGoal& goal) { return !goal.take.empty(); });
 }
 
 int find_object(const World& world, std::string_view name) {

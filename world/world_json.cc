@@ -18,8 +18,6 @@ namespace moma {
 
 using config::MapReader;
 using config::Node;
-using config::Range;
-using Json = nlohmann::ordered_json;
 
 // Readers and writers of described structs call these for rotations, goals, objects and moves.
 void read_value(const Node& node, const std::string& key, Eigen::Quaterniond& q, const About&);

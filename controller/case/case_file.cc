@@ -8,7 +8,6 @@
 #include "controller/config/controller_file.h"
 #include "controller/config/object_file.h"
 #include "controller/config/read_described.h"
-#include "controller/config/reader.h"
 #include "controller/config/write_described.h"
 #include "controller/safe/predictor.h"
 
@@ -17,7 +16,6 @@ namespace {
 
 using config::MapReader;
 using config::Node;
-using config::Range;
 
 void read_objects(const Node& node, ControlCase& out) {
   if (node.kind != Node::Kind::kSequence) config::fail(node.mark, "objects", "expected a list of objects");
@@ -113,11 +111,9 @@ ControlCase read_case(const Node& root) {
   return out;
 }
 
-ControlCase read_case(const std::filesystem::path& file) { return read_case(config::load_yaml(file)); }
+ControlCase read_case(const fs::path& file) { return read_case(config::load_yaml(file)); }
 
-using Json = nlohmann::ordered_json;
-
-nlohmann::ordered_json case_to_json(const ControlCase& c) {
+Json case_to_json(const ControlCase& c) {
   Json state = sensed_to_json(c.observation);
   state["escape"] = config::write_described(c.memory.escape.state);
   if (c.memory.escape.has_goal) state["last_goal"] = sensed_to_json(c.memory.escape.last_goal);

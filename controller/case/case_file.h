@@ -1,7 +1,5 @@
 #pragma once
 
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +27,7 @@ struct ControlCase {
 /// Reads a case file, JSON or YAML. Paths in it are relative to the file.
 /// Throws config::ConfigError naming file, line, column and key: unreadable, unknown or missing keys, wrong types and
 /// sizes, numbers that are not finite, quaternions off unit length by more than 1e-3 (others are normalised).
-ControlCase read_case(const std::filesystem::path& file);
+ControlCase read_case(const fs::path& file);
 
 /// The same from a value already read.
 ControlCase read_case(const config::Node& root);
@@ -42,6 +40,6 @@ void read_object(const config::Node& node, const std::string& key, int index, co
 
 /// The file that read_case() takes back to the same bits: robot and controller as they were resolved, rotations as
 /// matrices, what is remembered in `state`.
-nlohmann::ordered_json case_to_json(const ControlCase& control_case);
+Json case_to_json(const ControlCase& control_case);
 
 }  // namespace moma

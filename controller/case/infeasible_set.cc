@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "controller/params.h"
 #include "controller/solver/solver.h"
 
 namespace moma {

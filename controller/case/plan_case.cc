@@ -48,16 +48,12 @@ constexpr void describe(auto& v, Of<PlanState>) {
   v.member("steps", &T::steps, in_range(kSteps, "", "since the start or the goal's last jump"));
   v.member("next", &T::next, in_range(kSteps, "", "step of the next prediction"));
   v.member("next_onward", &T::next_onward,
-           {.range = kSteps,
-            .written = Written::kUnlessDefault,
-            .text = "step of the next search for a path on from the goal"});
+           unless_default(in_range(kSteps, "", "step of the next search for a path on from the goal")));
   v.member("stagnations", &T::stagnations, in_range({0, 1e9}, "", "up to which nothing is news"));
   v.member("fresh", &T::fresh, {.text = "whether the direct policy's memory of detours is cleared"});
   v.member("known", &T::known, in_range({0, 1e9}, "", "objects that were seen in the step before"));
-  v.member("former", &T::former,
-           {.written = Written::kUnlessDefault, .text = "whether the path leads to the goal before"});
-  v.member("missed", &T::missed,
-           {.written = Written::kUnlessDefault, .text = "whether the goal was passed and not reached"});
+  v.member("former", &T::former, unless_default({.text = "whether the path leads to the goal before"}));
+  v.member("missed", &T::missed, unless_default({.text = "whether the goal was passed and not reached"}));
 }
 
 namespace {
@@ -95,12 +91,12 @@ Isometry read_goal(const Node& node, const std::string& key) {
   return X;
 }
 
-nlohmann::ordered_json numbers(const WholeConfiguration& c) {
+Json numbers(const WholeConfiguration& c) {
   return config::description::list_to_json({c.data(), static_cast<std::size_t>(c.size())});
 }
 
-nlohmann::ordered_json pose(const Isometry& X) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+Json pose(const Isometry& X) {
+  Json json = Json::object();
   write_pose(X, json);
   return json;
 }
@@ -138,8 +134,8 @@ void read_path(const Node& node, const std::string& key, const RobotModel& model
   in.finish();
 }
 
-nlohmann::ordered_json to_json(const Path& path) {
-  nlohmann::ordered_json motions = nlohmann::ordered_json::array();
+Json to_json(const Path& path) {
+  Json motions = Json::array();
   for (int k = 0; k < path.count; ++k) {
     const PathPart& motion = path.motions[static_cast<std::size_t>(k)];
     motions.push_back({{"start", motion.start},
@@ -148,11 +144,11 @@ nlohmann::ordered_json to_json(const Path& path) {
                        {"fall", motion.motion.fall},
                        {"change", numbers(motion.change)}});
   }
-  nlohmann::ordered_json json = {{"origin", numbers(path.origin)},
-                                 {"motions", std::move(motions)},
-                                 {"duration", path.duration},
-                                 {"clearance", path.clearance},
-                                 {"goal", pose(path.X_WG)}};
+  Json json = {{"origin", numbers(path.origin)},
+               {"motions", std::move(motions)},
+               {"duration", path.duration},
+               {"clearance", path.clearance},
+               {"goal", pose(path.X_WG)}};
   if (path.passes()) {
     json["passes"] = path.pass;
     json["next_goal"] = pose(path.X_WN);
@@ -192,8 +188,8 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
   return state;
 }
 
-nlohmann::ordered_json to_json(const PlanState& state) {
-  nlohmann::ordered_json json = config::write_described(state);
+Json to_json(const PlanState& state) {
+  Json json = config::write_described(state);
   std::visit([&](const auto& doing) { config::write_members(doing, json); }, state.doing);
   if (state.has_goal) json["goal"] = pose(state.X_WG);
   if (state.path.count > 0) json["path"] = to_json(state.path);

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "controller/config/json.h"
 #include "controller/config/node.h"
 #include "controller/lookahead/plan_state.h"
 #include "controller/model/robot_model.h"
@@ -15,6 +15,6 @@ namespace moma {
 /// base and for each joint. Throws config::ConfigError.
 PlanState read_plan_state(const config::Node& node, const std::string& key, const RobotModel& model);
 
-nlohmann::ordered_json to_json(const PlanState& state);
+Json to_json(const PlanState& state);
 
 }  // namespace moma

@@ -57,7 +57,7 @@ Isometry read_pose(MapReader& in, bool required) {
   return X;
 }
 
-void write_pose(const Isometry& X, nlohmann::ordered_json& json) {
+void write_pose(const Isometry& X, Json& json) {
   json["position"] = std::vector<double>{X.translation().x(), X.translation().y(), X.translation().z()};
   json["rotation"] = write_value(Matrix3(X.linear()), {});
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <concepts>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -23,7 +22,7 @@ namespace moma {
 /// A pose: `position`, and `quaternion` (w x y z) or `rotation` (a matrix, column by column). Unless it is `required`
 /// the orientation may be left out.
 Isometry read_pose(config::MapReader& in, bool required = true);
-void write_pose(const Isometry& X, nlohmann::ordered_json& json);
+void write_pose(const Isometry& X, Json& json);
 
 /// One number per name; the message lists the names, for the order is easy to get wrong.
 VectorX read_named(const config::Node& node, const std::string& key, const std::vector<std::string>& names);
@@ -32,7 +31,7 @@ VectorX read_named(const config::Node& node, const std::string& key, const std::
 std::string accepted(Of<Matrix3>, const About& about);
 void read_value(const config::Node& node, const std::string& key, Matrix3& value, const About& about);
 template <std::same_as<Matrix3> M>  // and nothing that converts to one
-nlohmann::ordered_json write_value(const M& value, const About& /*about*/) {
+Json write_value(const M& value, const About& /*about*/) {
   return std::vector<double>(value.data(), value.data() + 9);
 }
 
@@ -76,7 +75,7 @@ class Reading {
 template <class T>
 class Writing {
  public:
-  Writing(const T& value, nlohmann::ordered_json& json) : value_(value), json_(json) {}
+  Writing(const T& value, Json& json) : value_(value), json_(json) {}
 
   template <class P>
   void member(std::string_view name, P pointer, const About& about) {
@@ -97,7 +96,7 @@ class Writing {
 
  private:
   const T& value_;
-  nlohmann::ordered_json& json_;
+  Json& json_;
 };
 
 }  // namespace case_file
@@ -111,8 +110,8 @@ void read_sensed(config::MapReader& in, const RobotModel& model, T& value) {
 
 /// The keys that read_sensed() takes back to the same bits.
 template <class T>
-nlohmann::ordered_json sensed_to_json(const T& value) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+Json sensed_to_json(const T& value) {
+  Json json = Json::object();
   case_file::Writing<T> writing(value, json);
   describe(writing, Of<T>{});
   return json;

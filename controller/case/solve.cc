@@ -10,17 +10,9 @@
 namespace moma {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-// JSON has no infinity.
-Json number(double value) {
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return value;
-}
-
 Json numbers(const Eigen::Ref<const VectorX>& values) {
   Json out = Json::array();
-  for (const double value : values) out.push_back(number(value));
+  for (const double value : values) out.push_back(config::number_or_word(value));
   return out;
 }
 
@@ -55,7 +47,7 @@ Json distance(const ProximityPair& pair, const ControllerCore& controller) {
   const std::string& link = model.link(shape(pair.first).link).name;
   return {{"link", link},
           {"object", second},
-          {"d", number(pair.distance.d)},
+          {"d", config::number_or_word(pair.distance.d)},
           {"normal", numbers(pair.distance.n_W)},
           {"point_robot", numbers(pair.distance.p_first_W)},
           {"point_object", numbers(pair.distance.p_second_W)},
@@ -81,7 +73,7 @@ void add_problem(const ControllerCore& controller, Json& out) {
 
 }  // namespace
 
-nlohmann::ordered_json solve(const ControlCase& control_case) {
+Json solve(const ControlCase& control_case) {
   const CaseStep step(control_case);
   const ControllerCore& controller = step.controller;
   const StepResult& result = step.result;
@@ -91,20 +83,20 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   out["fallback"] = to_string(result.fallback);
   out["qdot"] = numbers(result.command);
   out["delta"] = controller.params().slack.enabled && qp ? numbers(result.slack) : Json::array();
-  out["cost"] = qp ? number(controller.cost()) : Json();
+  out["cost"] = qp ? config::number_or_word(controller.cost()) : Json();
   out["pose"] = pose(controller.kinematics().X_WE());
   out["error"] = numbers(result.error);
-  out["error_norm"] = number(result.error_norm);
+  out["error_norm"] = config::number_or_word(result.error_norm);
   out["nu"] = numbers(controller.nu());
   out["J"] = matrix(controller.J());
-  out["manipulability"] = number(result.manipulability);
+  out["manipulability"] = config::number_or_word(result.manipulability);
   out["J_m"] = numbers(controller.J_m());
-  out["theta_eps"] = number(controller.theta_eps());
+  out["theta_eps"] = config::number_or_word(controller.theta_eps());
   add_problem(controller, out);
   out["distances"] = Json::array();
   for (const ProximityPair& pair : controller.distances()) out["distances"].push_back(distance(pair, controller));
   out["wheels"] = numbers(controller.wheels());
-  out["kkt_residual"] = step.has_solution() ? number(controller.kkt_residual()) : Json();
+  out["kkt_residual"] = step.has_solution() ? config::number_or_word(controller.kkt_residual()) : Json();
   out["iterations"] = result.iterations;
   out["escape"] = config::write_described(controller.escape_state());  // the next step's `state.escape`
   if (controller.lookahead() != nullptr)
@@ -112,7 +104,7 @@ nlohmann::ordered_json solve(const ControlCase& control_case) {
   return out;
 }
 
-std::string layout(const nlohmann::ordered_json& solution) {
+std::string layout(const Json& solution) {
   const auto nested = [](const Json& value) {
     return value.is_array() && !value.empty() && (value.front().is_array() || value.front().is_object());
   };

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include <string>
 
 #include "controller/case/case_file.h"
+#include "controller/config/json.h"
 
 namespace moma {
 
@@ -18,10 +17,10 @@ namespace moma {
 ///
 /// kkt_residual is the largest violation of the optimality conditions (qp/problem.h) by the solution and multipliers of
 /// the stage that gave the command: the original problem, or one of the fallback; null where the command brakes.
-nlohmann::ordered_json solve(const ControlCase& control_case);
+Json solve(const ControlCase& control_case);
 
 /// The JSON as text for people and programs alike: one key to a line, one row of a matrix to a line.
-std::string layout(const nlohmann::ordered_json& solution);
+std::string layout(const Json& solution);
 
 /// The same step in words: constraints that hold the command, a minimal set of rows that make the problem infeasible,
 /// the dominating term of the cost, near objects and singularities.

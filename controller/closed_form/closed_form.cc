@@ -57,7 +57,7 @@ void park_gradient(const ControllerParams& params, int base_dof, const VectorX& 
 void add_limit_repulsion(const RobotModel& model, const VectorX& q, VectorX& gradient) noexcept {
   const int base_dof = model.base_dof();
   for (int i = 0; i < model.num_joints(); ++i) {
-    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+    const ControlledJoint& joint = model.joint(i);
     gradient[base_dof + i] += repulsion(q[i] - joint.lower) - repulsion(joint.upper - q[i]);
   }
 }

@@ -1,7 +1,6 @@
 #include "controller/config/controller_file.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <string_view>
 #include <utility>
 
@@ -33,9 +32,9 @@ Mark mark_of(const Node& root, const std::string& key) {
 ControllerParams read_controller(const Node& node, const std::string& key, const RobotModel& model,
                                  double control_period, std::vector<std::string>& warnings) {
   if (node.kind == Node::Kind::kScalar) {
-    const std::filesystem::path file = directory_of(node.mark) / node.scalar;
+    const fs::path file = directory_of(node.mark) / node.scalar;
     std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error))
+    if (!fs::is_regular_file(file, error))
       fail(node.mark, key,
            "found '" + node.scalar + "', expected a map of parameters or the path of a controller file (no file " +
                file.string() + ")");
@@ -55,6 +54,6 @@ ControllerParams read_controller(const Node& node, const std::string& key, const
   return params;
 }
 
-nlohmann::ordered_json to_json(const ControllerParams& params) { return write_described(params); }
+Json to_json(const ControllerParams& params) { return write_described(params); }
 
 }  // namespace moma::config

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "controller/config/json.h"
 #include "controller/config/node.h"
 #include "controller/model/robot_model.h"
 #include "controller/params.h"
@@ -20,6 +20,6 @@ ControllerParams read_controller(const Node& node, const std::string& key, const
 /// in every described member (describe/equal.h), but for the values of parts that are switched off: slack and output
 /// scaling are then written as `none`, others not at all, and read back with their defaults. Those of `escape` and of
 /// the dampers, which have an `enabled`, are written and read in full.
-nlohmann::ordered_json to_json(const ControllerParams& params);
+Json to_json(const ControllerParams& params);
 
 }  // namespace moma::config

@@ -1,5 +1,4 @@
 #include "controller/config/json_node.h"
-#include "controller/config/node.h"
 #include "controller/config/text_file.h"
 
 #include <algorithm>
@@ -9,30 +8,30 @@
 
 namespace moma::config {
 
-Node node_from_json(const nlohmann::ordered_json& json, const std::string& source) {
+Node node_from_json(const Json& json, const std::string& source) {
   Node node;
   node.mark.file = source;
   switch (json.type()) {
-    case nlohmann::ordered_json::value_t::object:
+    case Json::value_t::object:
       node.kind = Node::Kind::kMap;
       for (const auto& [key, value] : json.items()) {
         node.entries.emplace_back(key, node_from_json(value, source));
         node.entries.back().second.key_mark.file = source;
       }
       break;
-    case nlohmann::ordered_json::value_t::array:
+    case Json::value_t::array:
       node.kind = Node::Kind::kSequence;
       for (const auto& value : json) node.items.push_back(node_from_json(value, source));
       break;
-    case nlohmann::ordered_json::value_t::string:
+    case Json::value_t::string:
       node.kind = Node::Kind::kScalar;
       node.scalar = json.get<std::string>();
       node.quoted = true;
       break;
-    case nlohmann::ordered_json::value_t::boolean:
-    case nlohmann::ordered_json::value_t::number_integer:
-    case nlohmann::ordered_json::value_t::number_unsigned:
-    case nlohmann::ordered_json::value_t::number_float:
+    case Json::value_t::boolean:
+    case Json::value_t::number_integer:
+    case Json::value_t::number_unsigned:
+    case Json::value_t::number_float:
       node.kind = Node::Kind::kScalar;
       node.scalar = json.dump();
       break;
@@ -42,27 +41,33 @@ Node node_from_json(const nlohmann::ordered_json& json, const std::string& sourc
   return node;
 }
 
-nlohmann::ordered_json number_to_json(double value) {
+Json number_to_json(double value) {
   if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
   return value;
 }
 
-nlohmann::ordered_json& as_object(nlohmann::ordered_json& json) {
-  if (json.is_null()) json = nlohmann::ordered_json::object();
+Json number_or_word(double value) {
+  if (std::isnan(value)) return nullptr;
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+Json& as_object(Json& json) {
+  if (json.is_null()) json = Json::object();
   return json;
 }
 
-nlohmann::ordered_json node_to_json(const Node& node) {
+Json node_to_json(const Node& node) {
   switch (node.kind) {
     case Node::Kind::kNull:
       return nullptr;
     case Node::Kind::kSequence: {
-      nlohmann::ordered_json list = nlohmann::ordered_json::array();
+      Json list = Json::array();
       for (const Node& item : node.items) list.push_back(node_to_json(item));
       return list;
     }
     case Node::Kind::kMap: {
-      nlohmann::ordered_json map = nlohmann::ordered_json::object();
+      Json map = Json::object();
       for (const auto& [key, value] : node.entries) map[key] = node_to_json(value);
       return map;
     }
@@ -87,8 +92,6 @@ nlohmann::ordered_json node_to_json(const Node& node) {
   return text;
 }
 
-using Json = nlohmann::ordered_json;
-
 Json parse_json(std::string_view text, const std::string& source) {
   const Mark mark{source, 0, 0};
   if (text.size() > kMaxTextBytes) fail(mark, "", "more than " + std::to_string(kMaxTextBytes >> 20U) + " MiB of JSON");
@@ -107,11 +110,11 @@ Json parse_json(std::string_view text, const std::string& source) {
 
 namespace description {
 
-nlohmann::ordered_json list_to_json(std::span<const double> values, bool one_for_all) {
+Json list_to_json(std::span<const double> values, bool one_for_all) {
   if (one_for_all && !values.empty() &&
       std::all_of(values.begin(), values.end(), [&](double v) { return v == values[0]; }))
     return number_to_json(values[0]);
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   for (const double value : values) list.push_back(number_to_json(value));
   return list;
 }

@@ -3,12 +3,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "controller/config/json.h"
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
 #include "controller/describe/numbers.h"
@@ -19,11 +19,9 @@ namespace moma::config {
 /// without C++: docs/reference/process-protocol.md, "Layout", has the keys. A pose becomes its "position" and
 /// "rotation", a member of an optional record `covariance` "position_covariance". D names the members of T.
 template <class T, class D = T>
-nlohmann::ordered_json layout_of(const Lengths& lengths);
+Json layout_of(const Lengths& lengths);
 
 namespace layout {
-
-using Json = nlohmann::ordered_json;
 
 template <class V>
 Json shape_of(std::size_t count) {
@@ -130,7 +128,7 @@ class Listing {
 }  // namespace layout
 
 template <class T, class D>
-nlohmann::ordered_json layout_of(const Lengths& lengths) {
+Json layout_of(const Lengths& lengths) {
   layout::Listing<T> listing(lengths, fixed_numbers<D>());
   describe(listing, Of<D>{});
   return std::move(listing.members);

@@ -10,9 +10,7 @@
 #include <new>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <string_view>
-#include <utility>
 
 #include "controller/config/convex_hull.h"
 #include "controller/config/text_file.h"
@@ -20,8 +18,6 @@
 
 namespace moma::config {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxMeshBytes = 64U << 20U;
 constexpr std::size_t kMaxMeshVertices = 2'000'000;
@@ -87,7 +83,7 @@ std::string reason_in(const std::string& words) {
 
 }  // namespace
 
-Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
+Mesh read_mesh(const fs::path& file, const Vector3& scale) {
   coal::BVHModelPtr_t loaded;
   try {
     const double unit = check_mesh(file);
@@ -114,7 +110,7 @@ Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale) {
   return mesh;
 }
 
-MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale) {
+MeshSolid mesh_solid(const fs::path& file, const Vector3& scale) {
   return point_solid(read_mesh(file, scale).vertices);
 }
 

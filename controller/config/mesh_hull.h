@@ -1,12 +1,12 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "controller/config/paths.h"
 #include "controller/model/shape.h"
 
 namespace moma::config {
@@ -36,7 +36,7 @@ struct Mesh {
 /// Reads a mesh file (.stl, .dae, .obj), scaled; a .dae is in the unit that it names. The result has at least one
 /// vertex, finite ones only, and possibly no triangles. Throws std::runtime_error: not a plain file of those kinds,
 /// larger than 64 MiB, refused by a guard (docs/adr/0011), unreadable, empty, not finite.
-Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale);
+Mesh read_mesh(const fs::path& file, const Vector3& scale);
 
 /// Convex hull of points (one or more, finite), in a frame at the centre of their bounding box. A hull of more than
 /// kHullVertices is replaced by an enclosing_hull() of so many, or of kMostHullVertices where it would reach further
@@ -44,6 +44,6 @@ Mesh read_mesh(const std::filesystem::path& file, const Vector3& scale);
 MeshSolid point_solid(std::vector<Vector3> cloud);
 
 /// Returns the solid of all vertices of a mesh file. Throws std::runtime_error: unreadable, empty, not finite.
-MeshSolid mesh_solid(const std::filesystem::path& file, const Vector3& scale);
+MeshSolid mesh_solid(const fs::path& file, const Vector3& scale);
 
 }  // namespace moma::config

@@ -4,16 +4,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
-#include <string>
-#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
-#include <utility>
-#include <vector>
 
 #include "controller/config/text_file.h"
 #include "controller/model/text_check.h"
@@ -230,8 +224,6 @@ Node read_document(const std::string& text, const std::string& name, int depth, 
   return builder.take_root();
 }
 
-namespace fs = std::filesystem;
-
 struct Source {
   fs::path directory;          // what includes are relative to
   std::vector<fs::path> open;  // files being read, outermost first: cycles
@@ -383,8 +375,8 @@ void set_value(Node& root, std::string_view dotted_key, Node value) {
   *node = std::move(value);
 }
 
-std::filesystem::path directory_of(const Mark& mark) {
-  return mark.file.starts_with("--set ") ? std::filesystem::path() : std::filesystem::path(mark.file).parent_path();
+fs::path directory_of(const Mark& mark) {
+  return mark.file.starts_with("--set ") ? fs::path() : fs::path(mark.file).parent_path();
 }
 
 void fail(const Mark& mark, const std::string& key, const std::string& message) {

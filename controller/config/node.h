@@ -1,11 +1,12 @@
 #pragma once
 
-#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "controller/config/paths.h"
 
 namespace moma::config {
 
@@ -58,9 +59,9 @@ struct Node {
 /// Reads a file, resolving `include: PATH` in any map (relative to the including file; the map's other keys
 /// override the included ones, maps merged key by key). A scalar that ends in .yaml where a map is wanted is
 /// read by MapReader::child() in the same way. Throws ConfigError: unreadable, syntax, duplicate keys, cycles.
-Node load_yaml(const std::filesystem::path& file);
+Node load_yaml(const fs::path& file);
 /// The same from text; `name` stands for the file in messages, `directory` is what paths are relative to.
-Node parse_yaml(const std::string& text, const std::string& name, const std::filesystem::path& directory = {});
+Node parse_yaml(const std::string& text, const std::string& name, const fs::path& directory = {});
 
 /// Replaces or creates the value at a dotted path ("simulation.mode"); `text` is parsed as YAML.
 void set_value(Node& root, std::string_view dotted_key, const std::string& text);
@@ -72,7 +73,7 @@ void set_value(Node& root, std::string_view dotted_key, Node value);
 [[noreturn]] void refuse(const Mark& mark, const std::string& key, const std::string& message);
 
 /// The folder that a path written at `mark` is relative to: its file's; for options the working folder.
-std::filesystem::path directory_of(const Mark& mark);
+fs::path directory_of(const Mark& mark);
 
 /// "FILE:LINE:COLUMN: KEY: message", without what is not known of it.
 std::string placed(const Mark& mark, const std::string& key, const std::string& message);

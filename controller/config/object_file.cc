@@ -11,8 +11,6 @@
 namespace moma::config {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// The numbers of a list, or of the lists in a list.
 std::vector<double> flat(MapReader& in, std::string_view name, const Range& range = {}) {
   const std::string key = in.key_of(name);

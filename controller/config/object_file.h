@@ -1,9 +1,9 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
 
+#include "controller/config/json.h"
 #include "controller/config/node.h"
 #include "controller/config/reader.h"
 #include "controller/model/proximity.h"
@@ -18,11 +18,11 @@ namespace moma::config {
 /// or triangles, indices of none, vertices in one plane without triangles.
 Shape read_shape(MapReader& in, std::span<const ShapeKind> allowed = {}, const char* word = "shape");
 /// Adds the same keys.
-void write_shape(const Shape& shape, nlohmann::ordered_json& json);
+void write_shape(const Shape& shape, Json& json);
 
 /// Returns the objects that reset() tells a controller (docs/reference/process-protocol.md, "Reset"): a list of
 /// {name, shape, size, vertices, triangles}; `kind` is the same as `shape`.
-nlohmann::ordered_json objects_to_json(std::span<const ObjectShape> objects);
+Json objects_to_json(std::span<const ObjectShape> objects);
 /// The same back. Keys that say where an object is, or how it moves, are left alone: they are for the steps.
 std::vector<ObjectShape> read_objects(const Node& list, const std::string& key);
 

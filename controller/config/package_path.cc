@@ -11,8 +11,6 @@
 namespace moma::config {
 namespace {
 
-namespace fs = std::filesystem;
-
 bool is_file(const fs::path& path) {
   std::error_code error;
   return fs::is_regular_file(path, error);

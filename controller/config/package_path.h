@@ -1,9 +1,10 @@
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <string>
 #include <utility>
+
+#include "controller/config/paths.h"
 
 namespace moma::config {
 
@@ -15,14 +16,14 @@ class PackagePaths {
  public:
   PackagePaths() = default;
   /// `named`: package name to its folder, absolute or relative to the working directory.
-  explicit PackagePaths(std::map<std::string, std::filesystem::path> named) : named_(std::move(named)) {}
+  explicit PackagePaths(std::map<std::string, fs::path> named) : named_(std::move(named)) {}
 
   /// The file behind package://..., file://..., an absolute path or one relative to `directory`.
   /// Throws std::runtime_error that says where it was looked for.
-  std::filesystem::path resolve(const std::string& uri, const std::filesystem::path& directory) const;
+  fs::path resolve(const std::string& uri, const fs::path& directory) const;
 
  private:
-  std::map<std::string, std::filesystem::path> named_;
+  std::map<std::string, fs::path> named_;
 };
 
 }  // namespace moma::config

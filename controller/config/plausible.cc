@@ -11,8 +11,6 @@
 namespace moma::config {
 namespace {
 
-using nlohmann::ordered_json;
-
 // Ranges for arms and for robots on wheels with an arm, from desk arms to forklifts.
 constexpr Usual kAngle{-2.0 * std::numbers::pi, 2.0 * std::numbers::pi, "rad"};
 constexpr Usual kMount{-3.0, 3.0, "m"};
@@ -42,7 +40,7 @@ void look(Sentences& out, const std::string& what, double value, const Usual& us
 }
 
 /// Every `rpy` below `json`, by its key.
-void look_at_angles(Sentences& out, const ordered_json& json, const std::string& key) {
+void look_at_angles(Sentences& out, const Json& json, const std::string& key) {
   if (json.is_array()) {
     for (std::size_t i = 0; i < json.size(); ++i)  // a mesh has thousands of plain numbers
       if (json[i].is_structured()) look_at_angles(out, json[i], key + "." + std::to_string(i));
@@ -100,7 +98,7 @@ void look_at_inertia(Sentences& out, const Link& link) {
 
 // Height of the base's own shapes over the floor. The footprint is the first of them, where the file has one; wheels,
 // which always stand on the floor, follow.
-void look_at_footprint(Sentences& out, const RobotModel& model, const ordered_json& resolved) {
+void look_at_footprint(Sentences& out, const RobotModel& model, const Json& resolved) {
   const bool footprint = resolved.contains("base") && resolved["base"].contains("footprint");
   double lowest = std::numeric_limits<double>::infinity();
   for (const CollisionShape& shape : model.shapes) {
@@ -122,7 +120,7 @@ std::string unusual(const std::string& what, double value, const Usual& usual, c
   return text.str();
 }
 
-std::vector<std::string> implausible(const RobotModel& model, const ordered_json& resolved) {
+std::vector<std::string> implausible(const RobotModel& model, const Json& resolved) {
   Sentences out;
   look_at_angles(out, resolved, "");
   look_at_base(out, model.base);

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "controller/config/json.h"
 #include "controller/model/robot_model.h"
 
 namespace moma::config {
@@ -23,6 +23,6 @@ std::string unusual(const std::string& what, double value, const Usual& usual, c
 /// Returns a sentence, with value, usual range and unit, for each value that is allowed but looks like another unit
 /// (degrees, millimetres) or like no robot (inertia of no body, a footprint in the floor, wheels too slow for the
 /// base's speed). `resolved`, the robot's resolved form, has its angles as they were written.
-std::vector<std::string> implausible(const RobotModel& model, const nlohmann::ordered_json& resolved);
+std::vector<std::string> implausible(const RobotModel& model, const Json& resolved);
 
 }  // namespace moma::config

@@ -1,12 +1,10 @@
 #include "controller/config/reader.h"
 
-#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <limits>
 #include <utility>
 
-#include "controller/config/node.h"
 #include "controller/config/text_file.h"
 #include "controller/describe/accepted.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,8 +8,8 @@
 #include <vector>
 
 #include "controller/config/node.h"
+#include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
-#include "controller/describe/range.h"
 
 namespace moma::config {
 

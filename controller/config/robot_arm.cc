@@ -302,7 +302,7 @@ class ArmReader {
   RobotBuild& build_;
   RobotModel& model_;
   MapReader in_;
-  nlohmann::ordered_json& written_;
+  Json& written_;
   std::map<int, double> locked_;      // by link
   std::vector<std::string> lacking_;  // limits, one text for each joint; with the place of the first
   std::string lacking_key_;

@@ -26,7 +26,7 @@ constexpr void describe(auto& v, Of<WrittenPose>) {
   v.member("rotation", &T::rotation, {});
 }
 
-void read_wheels(MapReader& base, MobileBase& model, nlohmann::ordered_json& written) {
+void read_wheels(MapReader& base, MobileBase& model, Json& written) {
   const Node* node = base.get("wheels");
   if (node == nullptr) return;
   MapReader in(*node, base.key_of("wheels"));
@@ -58,7 +58,7 @@ Matrix3 rotation_of(const Vector3& rpy) {
       .toRotationMatrix();
 }
 
-Isometry read_pose(MapReader& in, nlohmann::ordered_json& written) {
+Isometry read_pose(MapReader& in, Json& written) {
   WrittenPose pose;
   read_members(in, pose);
   in.check(in.get("rpy") == nullptr || !pose.rotation, "rotation", "give `rpy` or `rotation`, not both");
@@ -79,7 +79,7 @@ void read_base(MapReader& robot, RobotBuild& build) {
   const Node* node = robot.get("base");
   MapReader in(node != nullptr ? *node : kNone, robot.key_of("base"));
   MobileBase& base = build.model.base;
-  nlohmann::ordered_json& written = as_object(build.resolved["base"]);
+  Json& written = as_object(build.resolved["base"]);
   in.read_enum("type", base.type);
   written["type"] = std::string(to_string(base.type));
   if (const Node* mount = in.get("mount")) {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -21,8 +19,8 @@ struct RobotBuild {
   RobotModel model;
   UrdfTree tree;  ///< link i of the tree is link i + 1 of the model
   PackagePaths packages;
-  std::filesystem::path urdf_directory;
-  nlohmann::ordered_json resolved = nlohmann::ordered_json::object();
+  fs::path urdf_directory;
+  Json resolved = Json::object();
   std::vector<std::string> warnings;
   std::vector<std::string> notes;
 };
@@ -47,7 +45,7 @@ void read_sensors(MapReader& robot, RobotBuild& build);
 
 /// `position` and `rpy` (fixed axes x, y, z as in URDF) of a map; also `rotation`, nine numbers row by row, which
 /// resolved robots use. `written` gets what reads back to the same bits.
-Isometry read_pose(MapReader& in, nlohmann::ordered_json& written);
+Isometry read_pose(MapReader& in, Json& written);
 
 /// All pairs of shapes that a controlled joint can move against each other, those of adjacent links left out; in order.
 std::vector<SelfPair> movable_pairs(const RobotModel& model);

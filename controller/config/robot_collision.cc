@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "controller/config/json_node.h"
 #include "controller/config/mesh_hull.h"
 #include "controller/config/node.h"
 #include "controller/config/object_file.h"
@@ -21,11 +20,11 @@ namespace moma::config {
 namespace {
 
 // Unlike write_shape(), with the coordinates of a hull in one list.
-nlohmann::ordered_json shape_to_json(const RobotModel& model, const CollisionShape& shape) {
-  nlohmann::ordered_json json{{"link", model.link(shape.link).name}, {"shape", to_string(shape.shape.kind)}};
+Json shape_to_json(const RobotModel& model, const CollisionShape& shape) {
+  Json json{{"link", model.link(shape.link).name}, {"shape", to_string(shape.shape.kind)}};
   if (shape.shape.hull) {
-    auto& vertices = json["vertices"] = nlohmann::ordered_json::array();
-    auto& triangles = json["triangles"] = nlohmann::ordered_json::array();
+    auto& vertices = json["vertices"] = Json::array();
+    auto& triangles = json["triangles"] = Json::array();
     for (const Vector3& v : shape.shape.hull->vertices) vertices.insert(vertices.end(), {v.x(), v.y(), v.z()});
     for (const Eigen::Vector3i& t : shape.shape.hull->triangles)
       triangles.insert(triangles.end(), {t.x(), t.y(), t.z()});
@@ -49,7 +48,7 @@ class CollisionReader {
     static const Node kNone;
     const Node* node = robot_.get("collision");
     MapReader in(node != nullptr ? *node : kNone, robot_.key_of("collision"));
-    written_["shapes"] = nlohmann::ordered_json::array();
+    written_["shapes"] = Json::array();
     for (const char* key : {"shapes", "more"})
       if (const Node* list = in.get(key)) read_shapes(*list, in.key_of(key));
     std::string from;
@@ -103,12 +102,12 @@ class CollisionReader {
     const Node* node = base != nullptr && base->kind == Node::Kind::kMap ? base->find("footprint") : nullptr;
     if (node == nullptr || node->kind == Node::Kind::kNull) return;
     MapReader in(*node, robot_.key_of("base") + ".footprint");
-    nlohmann::ordered_json pose;
+    Json pose;
     const Shape shape = read_shape(in);
     add(0, shape, read_pose(in, pose));
     in.read("mass", model_.base.mass, Range::non_negative());
     in.finish();
-    nlohmann::ordered_json json = shape_to_json(model_, model_.shapes.back());
+    Json json = shape_to_json(model_, model_.shapes.back());
     json.erase("link");
     json["mass"] = model_.base.mass;
     build_.resolved["base"]["footprint"] = std::move(json);
@@ -116,7 +115,7 @@ class CollisionReader {
 
   // Wheels of a given width are boxes of the base.
   void add_wheels() {
-    const nlohmann::ordered_json& base = build_.resolved["base"];
+    const Json& base = build_.resolved["base"];
     if (!model_.base.wheels || !base.contains("wheels") || !base["wheels"].contains("width")) return;
     const Wheels& wheels = *model_.base.wheels;
     const Vector3 size(2.0 * wheels.radius, base["wheels"]["width"].get<double>(), 2.0 * wheels.radius);
@@ -138,7 +137,7 @@ class CollisionReader {
       std::string name;
       in.read("link", name);
       const int link = link_named(in, "link", name);
-      nlohmann::ordered_json pose;
+      Json pose;
       const Shape shape = read_shape(in);
       add(link, shape, read_pose(in, pose));
       in.finish();
@@ -218,7 +217,7 @@ class CollisionReader {
     } else {
       read_named_pairs(*self, in.key_of("self"));
     }
-    auto& out = written_["pairs"] = nlohmann::ordered_json::array();
+    auto& out = written_["pairs"] = Json::array();
     for (const SelfPair& pair : model_.self_pairs) out.push_back({pair.first, pair.second, pair.row});
   }
 
@@ -280,7 +279,7 @@ class CollisionReader {
   MapReader& robot_;
   RobotBuild& build_;
   RobotModel& model_;
-  nlohmann::ordered_json written_ = nlohmann::ordered_json::object();
+  Json written_ = Json::object();
   std::map<int, int> count_;  // shapes so far, by link
 };
 

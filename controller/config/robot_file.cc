@@ -5,7 +5,6 @@
 #include <numbers>
 #include <set>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "controller/config/json_node.h"
@@ -20,8 +19,6 @@
 
 namespace moma::config {
 namespace {
-
-namespace fs = std::filesystem;
 
 PackagePaths read_packages(MapReader& robot) {
   std::map<std::string, fs::path> named;
@@ -118,7 +115,7 @@ LoadedRobot read_robot(const Node& node, const std::string& key, MeshSolids& mes
   return build_robot(load_yaml(file), "", meshes);
 }
 
-LoadedRobot robot_from_resolved(const nlohmann::ordered_json& resolved) {
+LoadedRobot robot_from_resolved(const Json& resolved) {
   return read_robot(node_from_json(resolved, "resolved robot"), "robot");
 }
 
@@ -147,7 +144,7 @@ void read_sensors(MapReader& robot, RobotBuild& build) {
   if (node == nullptr) return;
   const std::string key = robot.key_of("sensors");
   std::set<std::string> names;
-  nlohmann::ordered_json& written = build.resolved["sensors"] = nlohmann::ordered_json::array();
+  Json& written = build.resolved["sensors"] = Json::array();
   for (const Node& item : description::sequence(*node, key).items) {
     robot.check(written.size() < kMostSensors, "sensors",
                 "found more sensors than " + std::to_string(kMostSensors) + ", expected at most so many");
@@ -166,7 +163,7 @@ void read_sensors(MapReader& robot, RobotBuild& build) {
   }
 }
 
-std::vector<UrdfCollision> load_urdf_collision(const std::filesystem::path& robot_file, UrdfPart part) {
+std::vector<UrdfCollision> load_urdf_collision(const fs::path& robot_file, UrdfPart part) {
   const Node node = load_yaml(robot_file);
   MapReader robot(node, "");
   RobotBuild build;

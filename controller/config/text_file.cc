@@ -6,8 +6,6 @@
 
 namespace moma::config {
 
-namespace fs = std::filesystem;
-
 std::string read_text_file(const fs::path& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);

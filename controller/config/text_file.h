@@ -2,15 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <string>
+
+#include "controller/config/paths.h"
 
 namespace moma::config {
 
 /// Returns the content of a regular file. Anything else (a folder, FIFO, device, socket) is never opened: reading it
 /// could block or never end. Throws std::runtime_error, without the file's name, if the file is missing, not regular,
 /// unreadable, or longer than kMaxTextBytes.
-std::string read_text_file(const std::filesystem::path& file);
+std::string read_text_file(const fs::path& file);
 
 /// Returns at most 200 bytes of a text, for messages.
 std::string shortened(const std::string& text);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,7 +20,6 @@ enum class UrdfPart { kCollision, kVisual };
 
 /// The collision or visual geometry of the URDF under a robot file, in the order of the URDF's tree; what the robot
 /// file says under `collision` plays no part. Throws ConfigError: the file, its URDF, or a mesh that cannot be read.
-std::vector<UrdfCollision> load_urdf_collision(const std::filesystem::path& robot_file,
-                                               UrdfPart part = UrdfPart::kCollision);
+std::vector<UrdfCollision> load_urdf_collision(const fs::path& robot_file, UrdfPart part = UrdfPart::kCollision);
 
 }  // namespace moma::config

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
@@ -16,27 +15,26 @@ namespace moma::config {
 /// and what is left out was at its default, or belongs to a part that is off (Off, Written).
 ///
 /// Beside a type that is neither a plain value nor described there has to stand
-///   nlohmann::ordered_json write_value(const T& value, const About& about)
+///   Json write_value(const T& value, const About& about)
 /// in moma or in the type's namespace; it wins over everything else.
 template <Described T>
-nlohmann::ordered_json write_described(const T& value);
+Json write_described(const T& value);
 
 /// Adds the described members to an object that may have keys already.
 template <Described T>
-void write_members(const T& value, nlohmann::ordered_json& json);
+void write_members(const T& value, Json& json);
 
 namespace description {
 
-nlohmann::ordered_json list_to_json(std::span<const double> values, bool one_for_all = false);
+Json list_to_json(std::span<const double> values, bool one_for_all = false);
 
 template <class V>
-nlohmann::ordered_json any_to_json(const V& value, const V& otherwise, const About& about);
+Json any_to_json(const V& value, const V& otherwise, const About& about);
 
 template <class T>
 class Writing {
  public:
-  Writing(const T& value, const T& otherwise, nlohmann::ordered_json& json)
-      : value_(value), otherwise_(otherwise), json_(json) {}
+  Writing(const T& value, const T& otherwise, Json& json) : value_(value), otherwise_(otherwise), json_(json) {}
 
   template <class P>
   void member(std::string_view name, P pointer, const About& about) {
@@ -54,7 +52,7 @@ class Writing {
       if (off == Off::kNone) put(name, "none");
       return;
     }
-    nlohmann::ordered_json map = nlohmann::ordered_json::object();
+    Json map = Json::object();
     if (off == Off::kKept) map["enabled"] = part.*enabled;
     nested(part, otherwise_.*pointer, map);
     put(name, std::move(map));
@@ -75,7 +73,7 @@ class Writing {
   }
   template <class Body>
   void group(std::string_view name, std::string_view, Body body) {
-    nlohmann::ordered_json map = nlohmann::ordered_json::object();
+    Json map = Json::object();
     Writing inner(value_, otherwise_, map);
     body(inner);
     if (!map.empty()) put(name, std::move(map));
@@ -86,24 +84,24 @@ class Writing {
   }
 
  private:
-  void put(std::string_view name, nlohmann::ordered_json value) { json_[std::string(name)] = std::move(value); }
+  void put(std::string_view name, Json value) { json_[std::string(name)] = std::move(value); }
   template <class V>
-  static void nested(const V& value, const V& otherwise, nlohmann::ordered_json& json) {
+  static void nested(const V& value, const V& otherwise, Json& json) {
     Writing<V> inner(value, otherwise, json);
     describe(inner, Of<V>{});
   }
 
   const T& value_;
   const T& otherwise_;
-  nlohmann::ordered_json& json_;
+  Json& json_;
 };
 
 template <class V>
-nlohmann::ordered_json any_to_json(const V& value, const V& otherwise, const About& about) {
+Json any_to_json(const V& value, const V& otherwise, const About& about) {
   if constexpr (requires { write_value(value, about); }) {
     return write_value(value, about);
   } else if constexpr (Described<V>) {
-    nlohmann::ordered_json map = nlohmann::ordered_json::object();
+    Json map = Json::object();
     Writing<V> inner(value, otherwise, map);
     describe(inner, Of<V>{});
     return map;
@@ -121,10 +119,10 @@ nlohmann::ordered_json any_to_json(const V& value, const V& otherwise, const Abo
     return any_to_json(value.*(either.value), otherwise.*(either.value), about);
   } else if constexpr (is_std_optional<V>) {
     using W = typename V::value_type;
-    return value.has_value() ? any_to_json(*value, otherwise.value_or(W{}), about) : nlohmann::ordered_json(nullptr);
+    return value.has_value() ? any_to_json(*value, otherwise.value_or(W{}), about) : Json(nullptr);
   } else {
     static_assert(is_std_vector<V>, "a type that is not described needs a write_value() beside it");
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    Json list = Json::array();
     const typename V::value_type plain{};
     for (const auto& item : value) list.push_back(any_to_json<typename V::value_type>(item, plain, about));
     return list;
@@ -134,15 +132,15 @@ nlohmann::ordered_json any_to_json(const V& value, const V& otherwise, const Abo
 }  // namespace description
 
 template <Described T>
-void write_members(const T& value, nlohmann::ordered_json& json) {
+void write_members(const T& value, Json& json) {
   const T otherwise{};
   description::Writing<T> writing(value, otherwise, json);
   describe(writing, Of<T>{});
 }
 
 template <Described T>
-nlohmann::ordered_json write_described(const T& value) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+Json write_described(const T& value) {
+  Json json = Json::object();
   write_members(value, json);
   return json;
 }

@@ -1,12 +1,29 @@
 #pragma once
 
 #include <concepts>
+#include <limits>
 #include <string_view>
-#include <utility>
-
-#include "controller/describe/range.h"
 
 namespace moma {
+
+/// Range of accepted numbers. Closed by default; infinities are inside only if a bound is infinite.
+struct Range {
+  double low = -std::numeric_limits<double>::max();
+  double high = std::numeric_limits<double>::max();
+  bool open_low = false;
+  bool open_high = false;
+
+  static constexpr Range any() { return {}; }
+  static constexpr Range positive() { return {0.0, std::numeric_limits<double>::max(), true, false}; }
+  static constexpr Range positive_or_inf() { return {0.0, std::numeric_limits<double>::infinity(), true, false}; }
+  static constexpr Range non_negative() { return {0.0, std::numeric_limits<double>::max(), false, false}; }
+  static constexpr Range non_negative_or_inf() { return {0.0, std::numeric_limits<double>::infinity(), false, false}; }
+
+  /// False for NaN.
+  constexpr bool contains(double value) const {
+    return value >= low && value <= high && !(open_low && value == low) && !(open_high && value == high);
+  }
+};
 
 /// One description for each struct: a function beside it that names its members, in the order of writing, with unit,
 /// range and one line for the reference.
@@ -88,6 +105,11 @@ constexpr About positive(std::string_view unit, std::string_view text) {
 constexpr About non_negative(std::string_view unit, std::string_view text) {
   return in_range(Range::non_negative(), unit, text);
 }
+/// A member that is written only if it differs from its default: one added after the first stores (Written).
+constexpr About unless_default(About about) {
+  about.written = Written::kUnlessDefault;
+  return about;
+}
 
 /// Result of alternative(): if `flag` is set, `word` is written instead of `value`.
 template <class T, class V>
@@ -101,7 +123,25 @@ WordOr(const char*, bool T::*, V T::*) -> WordOr<T, V>;
 
 namespace description {
 struct AnyVisitor {};
+
+template <class Use>
+struct Members {
+  const Use& use;
+  template <class M, class C, class A = About>
+  constexpr void member(std::string_view name, M C::*pointer, const A& about) {
+    use(name, pointer, about);
+  }
+  constexpr void inlined(auto) {}
+};
 }  // namespace description
+
+/// Calls use(name, pointer, about) for each member that the description of a record of numbers and texts names itself:
+/// the columns of its table. The members of what is inlined belong to a table of their own.
+template <class R, class Use>
+constexpr void for_members(const Use& use) {
+  description::Members<Use> members{use};
+  describe(members, Of<R>{});
+}
 
 template <class T>
 concept Described = requires(description::AnyVisitor& v) {

@@ -34,7 +34,7 @@ constexpr bool is_named() {
 
 }  // namespace enumeration
 
-/// True if `words` has one word for each enumerator; assert it beside the words.
+/// True if `words` has one word for each enumerator. to_string() and from_string() assert it.
 template <Worded E>
 constexpr bool all_worded() {
   constexpr std::size_t n = words(Of<E>{}).size();
@@ -52,6 +52,7 @@ constexpr std::string_view to_string(E value) noexcept {
 
 template <Worded E>
 constexpr std::optional<E> from_string(std::string_view text) noexcept {
+  static_assert(all_worded<E>());
   constexpr auto all = words(Of<E>{});
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all[i] == text) return static_cast<E>(i);

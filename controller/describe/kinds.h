@@ -5,8 +5,6 @@
 #include <concepts>
 #include <optional>
 #include <span>
-#include <string>
-#include <type_traits>
 #include <vector>
 
 namespace moma {

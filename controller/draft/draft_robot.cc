@@ -22,8 +22,6 @@
 namespace moma::draft {
 namespace {
 
-namespace fs = std::filesystem;
-
 // Defaults for missing limits of a URDF: slow enough for any robot.
 constexpr double kJointSpeed = 1.0, kSliderSpeed = 0.1;                         // [rad/s], [m/s]
 constexpr double kBaseSpeed = 0.5, kMostBaseSpeed = 2.0, kMostTurnSpeed = 2.0;  // [m/s], [m/s], [rad/s]

@@ -1,17 +1,17 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "controller/config/mesh_hull.h"
+#include "controller/config/paths.h"
 
 namespace moma::draft {
 
 struct DraftOptions {
-  std::filesystem::path urdf;
-  std::filesystem::path folder;  ///< folder of the file: `urdf:` is relative to it
-  bool lenient = false;          ///< leave out parts of the URDF that are not understood
+  fs::path urdf;
+  fs::path folder;       ///< folder of the file: `urdf:` is relative to it
+  bool lenient = false;  ///< leave out parts of the URDF that are not understood
   /// A robot file's `collision` whose shapes will replace the URDF's: postures are searched with these. Empty: with the
   /// URDF's own. The text of the draft has the URDF's in either case.
   std::string collision = {};
@@ -34,6 +34,6 @@ struct Draft {
 Draft draft_robot(const DraftOptions& options);
 
 /// True if a file is a URDF (or xacro) by its name or its beginning, rather than a robot file.
-bool is_urdf(const std::filesystem::path& file);
+bool is_urdf(const fs::path& file);
 
 }  // namespace moma::draft

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "controller/config/robot_build.h"
 #include "controller/model/floor_reach.h"

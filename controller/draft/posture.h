@@ -1,8 +1,5 @@
 #pragma once
 
-#include <memory>
-#include <vector>
-
 #include "controller/model/robot_model.h"
 
 namespace moma::draft {

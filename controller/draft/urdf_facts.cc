@@ -5,15 +5,12 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 
 #include "controller/config/mesh_hull.h"
 
 namespace moma::draft {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 // Adds the folder of a mesh's package to `urdf.packages` if a robot file could not find it by itself.
 void find_package(UrdfFacts& urdf, const std::string& uri) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <string>
 #include <string_view>
@@ -17,9 +16,9 @@ struct UrdfFacts {
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_RL;  ///< pose of the links, all joints at 0
   std::vector<std::vector<int>> children;
   std::vector<UrdfVisual> visuals;
-  std::filesystem::path directory;                        ///< folder of the URDF
-  std::map<std::string, std::filesystem::path> packages;  ///< packages that the robot file has to name
-  std::vector<std::string> renamed;                       ///< packages among them whose folder has another name
+  fs::path directory;                        ///< folder of the URDF
+  std::map<std::string, fs::path> packages;  ///< packages that the robot file has to name
+  std::vector<std::string> renamed;          ///< packages among them whose folder has another name
 
   const UrdfLink& link(int i) const { return tree.links[static_cast<std::size_t>(i)]; }
   const Isometry& X_R(int i) const { return X_RL[static_cast<std::size_t>(i)]; }
@@ -31,7 +30,7 @@ struct UrdfFacts {
 
 /// `text`: the URDF, in `directory`. Packages of its meshes that are neither beside nor above it are searched as usual,
 /// then as any folder above it that contains the mesh.
-UrdfFacts facts_of(const std::string& text, UrdfReading reading, const std::filesystem::path& directory);
+UrdfFacts facts_of(const std::string& text, UrdfReading reading, const fs::path& directory);
 
 /// Returns points on the outline of a shape, in the link's frame: vertices of a mesh, corners of a box, rings of round
 /// shapes. Empty if a mesh cannot be read; the reader of the robot's shapes reports the error.

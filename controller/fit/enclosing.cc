@@ -3,11 +3,9 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <exception>
-#include <functional>
 #include <limits>
 #include <new>
 #include <utility>
-#include <vector>
 
 #include "controller/fit/enclosing.h"
 

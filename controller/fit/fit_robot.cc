@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <numbers>
 #include <set>
-#include <utility>
 
 #include "controller/config/robot_build.h"
 #include "controller/config/robot_file.h"
@@ -19,7 +17,6 @@
 namespace moma::fit {
 namespace {
 
-namespace fs = std::filesystem;
 using config::Node;
 using config::UrdfCollision;
 
@@ -73,13 +70,8 @@ std::string described(const std::vector<const UrdfCollision*>& elements) {
     name = ++meshes == 1 ? fs::path(element->mesh).filename().string() : fmt::format("{} meshes", meshes);
     triangles += element->surface.triangles.size();
   }
-  std::string text = meshes == 0 ? "" : fmt::format("{} ({} triangles)", name, triangles);
-  for (const auto& [kind, count] : primitives) {
-    const std::string one(to_string(kind));
-    text += text.empty() ? "" : ", ";
-    text += count == 1 ? one : fmt::format("{} {}{}", count, one, kind == ShapeKind::kBox ? "es" : "s");
-  }
-  return text;
+  if (meshes == 0) return kinds_text(primitives);
+  return fmt::format("{} ({} triangles){}{}", name, triangles, primitives.empty() ? "" : ", ", kinds_text(primitives));
 }
 
 bool same_points(const Triangles& a, const Triangles& b) {
@@ -283,6 +275,14 @@ RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options, const 
   result.notes = std::move(after.notes);
   result.warnings = std::move(after.warnings);
   return result;
+}
+
+std::string kinds_text(const std::map<ShapeKind, int>& count) {
+  return joined(count, [](const auto& of) {
+    const auto [kind, n] = of;
+    return n == 1 ? std::string(to_string(kind))
+                  : fmt::format("{} {}{}", n, to_string(kind), kind == ShapeKind::kBox ? "es" : "s");
+  });
 }
 
 }  // namespace moma::fit

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <functional>
-#include <optional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "controller/config/paths.h"
 #include "controller/fit/partition.h"
 #include "controller/fit/placed.h"
 
@@ -50,7 +50,9 @@ using FitProgress = std::function<void(const std::string& link, std::size_t numb
 /// geometry are fitted once. The result is read back as a robot file's `collision`. Deterministic. Throws
 /// config::ConfigError for a file that load_robot() refuses (one without `collision` is accepted), an unreadable mesh,
 /// or nothing to fit.
-RobotFit fit_robot(const std::filesystem::path& robot_file, const FitOptions& options,
-                   const FitProgress& progress = {});
+RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options, const FitProgress& progress = {});
+
+/// "capsule, 2 boxes".
+std::string kinds_text(const std::map<ShapeKind, int>& count);
 
 }  // namespace moma::fit

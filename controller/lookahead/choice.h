@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "controller/lookahead/plan_brief.h"
 #include "controller/params.h"

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <span>
 #include <utility>
-#include <variant>
 
 #include "controller/model/proximity.h"
 

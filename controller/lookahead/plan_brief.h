@@ -73,8 +73,7 @@ struct PlanBrief {
   PlanVerdict choice;                ///< last choice
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<PlanVerdict>) {
+constexpr void describe(auto& v, Of<PlanVerdict>) {
   v.member("choice", &PlanVerdict::kind, {.text = "what the last choice fell on"});
   v.member("tried", &PlanVerdict::tried, in_range({0, 1e9}, "", "candidates of that choice"));
   v.member("time_policy", &PlanVerdict::policy,
@@ -83,8 +82,7 @@ constexpr void describe(Visitor& v, Of<PlanVerdict>) {
            quantity("s", "of a path; negative: none was found, or none that is quicker"));
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<PlanBrief>) {
+constexpr void describe(auto& v, Of<PlanBrief>) {
   v.member("mode", &PlanBrief::mode, {.text = "what the robot is doing about its goal"});
   v.member("reason", &PlanBrief::reason, {.text = "and why"});
   v.member("going_on", &PlanBrief::going_on, {.text = "whether the policy goes on while a choice is worked out"});
@@ -98,7 +96,6 @@ constexpr void describe(Visitor& v, Of<PlanBrief>) {
   v.inlined(&PlanBrief::choice);
 }
 
-static_assert(is_complete<PlanBrief>() && is_complete<PlanVerdict>() && all_worded<PlanMode>() &&
-              all_worded<PlanReason>() && all_worded<PlanKind>());
+static_assert(is_complete<PlanBrief>() && is_complete<PlanVerdict>());
 
 }  // namespace moma

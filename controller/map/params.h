@@ -1,7 +1,6 @@
 #pragma once
 
 #include "controller/describe/describe.h"
-#include "controller/describe/range.h"
 
 namespace moma {
 
@@ -74,7 +73,7 @@ constexpr void describe(auto& v, Of<MapParams>) {
            in_range({1.0, 1e6}, "", "rays that a control step takes; a frame that has begun is taken to its end"));
   v.member("reach", &T::reach, positive("m", "horizontal distance from the base up to which occupied space counts"));
   v.member("boxes", &T::boxes, in_range({1.0, 5000.0}, "", "number of boxes of occupied space, the nearest ones"));
-  v.member("evidence", &T::evidence, {.written = Written::kUnlessDefault, .text = "log-odds of hits and passing rays"});
+  v.member("evidence", &T::evidence, unless_default({.text = "log-odds of hits and passing rays"}));
   v.optional("unseen", &T::unseen, &UnseenParams::enabled, Off::kOmitted,
              "the robot stops in front of space that no sensor has seen");
 }

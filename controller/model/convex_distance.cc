@@ -10,7 +10,6 @@
 #include <coal/narrowphase/narrowphase_defaults.h>
 #include <coal/shape/convex.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>

@@ -1,8 +1,8 @@
 #include "controller/model/proximity.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include "controller/model/convex_distance.h"
 #include "controller/model/floor_reach.h"

@@ -27,8 +27,7 @@ struct Sensor {
 /// Bounds time and memory of a frame.
 inline constexpr int kMaxRays = 100'000;
 
-template <class V>
-constexpr void describe(V& v, Of<Sensor>) {
+constexpr void describe(auto& v, Of<Sensor>) {
   using S = Sensor;
   v.member("name", &S::name, {.required = true, .text = "unique name of the sensor"});
   v.member("link", &S::link, {.text = "link that carries the sensor; default the base"});

@@ -1,7 +1,6 @@
 #include "controller/model/statics.h"
 
 #include <cmath>
-#include <memory>
 
 #include "controller/model/sampling.h"
 

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "controller/model/limit_part.h"
+#include "controller/model/robot_model.h"
 #include "controller/safe/braking.h"
 
 namespace moma {
@@ -20,8 +19,8 @@ constexpr double kRounded = 1e-3;
 double lever_of(const RobotModel& model, const ControlledJoint& joint) {
   if (joint.type == JointType::kPrismatic) return kBent;
   double length = model.X_TE.translation().norm() + kHand;
-  for (int link = model.tip; link != joint.link && link > 1; link = model.links[static_cast<std::size_t>(link)].parent)
-    length += model.links[static_cast<std::size_t>(link)].X_PJ.translation().norm();
+  for (int link = model.tip; link != joint.link && link > 1; link = model.link(link).parent)
+    length += model.link(link).X_PJ.translation().norm();
   return kBent * std::min(length, kLongest);
 }
 
@@ -55,7 +54,7 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
   const PlanParams& plan = params.plan;
   const int first = model.base_dof();
   for (int i = 0; i < model.num_joints(); ++i) {
-    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+    const ControlledJoint& joint = model.joint(i);
     lower[i] = joint.lower;
     upper[i] = joint.upper;
     part[i] = limit_part(joint);

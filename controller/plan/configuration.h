@@ -6,7 +6,6 @@
 #include "controller/model/kinematics.h"
 #include "controller/model/robot_model.h"
 #include "controller/params.h"
-#include "controller/plan/plan_params.h"
 
 namespace moma {
 

@@ -1,6 +1,5 @@
 #include "controller/plan/path.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace moma {

@@ -118,9 +118,8 @@ constexpr void describe(auto& v, Of<SearchParams>) {
   v.member("goals", &T::goals, in_range({1.0, 100.0}, "", "goal configurations kept, in units of plan.ik_enough"));
   v.member("effort", &T::effort, in_range({1.0, 1000.0}, "", "largest factor on the work after failures"));
   v.member("hard", &T::hard,
-           {.range = {1.0, 1000.0},
-            .written = Written::kUnlessDefault,
-            .text = "factor on the work from which the last tier keeps half as much on the way"});
+           unless_default(in_range({1.0, 1000.0}, "",
+                                   "factor on the work from which the last tier keeps half as much on the way")));
 }
 
 /// Routes of a base (plan/route.h) and motion past the corners of a path (plan/smooth_path.h), for robots that drive.
@@ -211,10 +210,8 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("missed", &T::missed,
            non_negative("s", "time after the passing of a goal at which it counts as missed, unless the next is told"));
   v.member("pass_rest", &T::pass_rest,
-           {.unit = "s",
-            .range = Range::non_negative(),
-            .written = Written::kUnlessDefault,
-            .text = "time to the passing of a goal within which no other path to it is looked for"});
+           unless_default(
+               non_negative("s", "time to the passing of a goal within which no other path to it is looked for")));
   v.member("progress", &T::progress, non_negative("s", "advance of the path's clock that counts as progress"));
   v.member("pushed", &T::pushed, non_negative("m", "lag among moving objects at which a path is given up"));
   v.member("meet", &T::meet, positive("s", "time before meeting a moving object at which the path's clock slows down"));
@@ -258,8 +255,7 @@ struct PlanParams {
   DecisionParams decisions = {};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<PlanParams>) {
+constexpr void describe(auto& v, Of<PlanParams>) {
   using T = PlanParams;
   v.member("budget", &T::budget,
            in_range({1.0, 1e7}, "", "checks in one control step, at most by one piece of work more"));
@@ -291,13 +287,12 @@ constexpr void describe(Visitor& v, Of<PlanParams>) {
   v.member("shortcuts", &T::shortcuts, in_range({0.0, 1e5}, "", "shortcuts tried in each run"));
   v.member("direct", &T::direct,
            in_range({0.0, 1e4}, "", "tries of inverse kinematics for a direct way at a motion's start; 0: none"));
-  constexpr auto later = [](std::string_view text) { return About{.written = Written::kUnlessDefault, .text = text}; };
-  v.member("direct_way", &T::direct_way, later("the way without a corner at a motion's start"));
-  v.member("ik", &T::ik, later("inverse kinematics of base and arm"));
-  v.member("search", &T::search, later("the search for a path"));
-  v.member("smooth", &T::smooth, later("routes of a base, and motion past the corners of a path"));
-  v.member("follow", &T::follow, later("following a path"));
-  v.member("decisions", &T::decisions, later("when to predict, choose, follow, and give a path up"));
+  v.member("direct_way", &T::direct_way, unless_default({.text = "the way without a corner at a motion's start"}));
+  v.member("ik", &T::ik, unless_default({.text = "inverse kinematics of base and arm"}));
+  v.member("search", &T::search, unless_default({.text = "the search for a path"}));
+  v.member("smooth", &T::smooth, unless_default({.text = "routes of a base, and motion past the corners of a path"}));
+  v.member("follow", &T::follow, unless_default({.text = "following a path"}));
+  v.member("decisions", &T::decisions, unless_default({.text = "when to predict, choose, follow, and give a path up"}));
 }
 
 }  // namespace moma

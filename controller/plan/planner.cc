@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "controller/plan/shorten.h"
-#include "controller/plan/tuck.h"
+#include "controller/plan/free_space.h"
+#include "controller/plan/search.h"
 
 namespace moma {
 namespace {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -40,15 +39,16 @@ struct PlanCounts {
 ///    second try draws these.
 /// 2. Routes of the base with its arm tucked lead to some of them (route.h). The first one on which the robot moves
 ///    freely from start to goal counts (smooth_path.h).
-/// 3. Without one, a search gives edges to one of them (search.h), and shortcuts shorten them (shorten.h). Each further
+/// 3. Without one, a search gives edges to one of them (search.h), and shortcuts shorten them (try_shortcut()). Each
+/// further
 ///    run searches the ellipse in which a quicker way can lie. The quickest counts.
 /// 4. A path overlaps the motions of the edges if half the clearances hold, otherwise it runs them in turn (path.h). It
 ///    gives way to one past its corners that is quicker (smooth_path.h).
 ///
 /// Routes and paths past corners are those of robots that drive, to goals that are not close to an object.
 ///
-/// Tiers: the plan keeps the roomy clearance first, then the smaller one, then less room to joint limits and the mean of
-/// the clearance and a share of it, then that share, with a closer approach to the goal. If the hand is nearer to an
+/// Tiers: the plan keeps the roomy clearance first, then the smaller one, then less room to joint limits and the mean
+/// of the clearance and a share of it, then that share, with a closer approach to the goal. If the hand is nearer to an
 /// object at the goal than the clearance, the kept distance shrinks towards that in every tier (`at_goal`), and the
 /// mean is left out. The work consists of pieces (one inverse kinematics,
 /// or one edge's checks); the plan does not depend on how they are spread over control steps. No clock decides

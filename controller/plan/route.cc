@@ -1,7 +1,6 @@
 #include "controller/plan/route.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 

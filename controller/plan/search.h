@@ -3,13 +3,38 @@
 #include <span>
 #include <vector>
 
+#include "controller/plan/configuration.h"
 #include "controller/plan/counted_draws.h"
 #include "controller/plan/free_space.h"
 #include "controller/plan/plan_params.h"
-#include "controller/plan/tree.h"
 #include "controller/plan/whole_body_ik.h"
 
 namespace moma {
+
+/// A tree of configurations with one or several roots. Only the constructor allocates.
+class Tree {
+ public:
+  Tree(int num_values, int capacity) : nodes_(num_values, capacity), parents_(static_cast<std::size_t>(capacity), -1) {}
+
+  void clear() noexcept { size_ = 0; }
+  int size() const noexcept { return size_; }
+  bool full() const noexcept { return size_ == static_cast<int>(parents_.size()); }
+  /// Returns the new node's index. The tree must not be full. `parent`: -1 for a root.
+  int add(const WholeConfiguration& c, int parent) noexcept {
+    nodes_.col(size_) = c;
+    parents_[static_cast<std::size_t>(size_)] = parent;
+    return size_++;
+  }
+  WholeConfiguration node(int i) const noexcept { return nodes_.col(i); }
+  int parent(int i) const noexcept { return parents_[static_cast<std::size_t>(i)]; }
+  /// Returns the node nearest to c, the first of equal ones; -1 for an empty tree.
+  int nearest(const WholeConfiguration& c) const noexcept;
+
+ private:
+  MatrixX nodes_;  // a column each
+  std::vector<int> parents_;
+  int size_ = 0;
+};
 
 /// A chain of at most kMost edges. Only the constructor allocates.
 class EdgeList {
@@ -48,7 +73,7 @@ struct SearchTask {
   Vector2 goal_W = Vector2::Zero();    ///< horizontal position of the goal
   std::span<GoalConfiguration> goals;  ///< the cheapest first; samples are drawn near all of them
   int roots = 0;                       ///< the first of them become roots of the goals' tree
-  const VectorX* tuck = nullptr;       ///< joint values of a tucked arm (tuck.h)
+  const VectorX* tuck = nullptr;       ///< joint values of a tucked arm (tucked_arm())
   double beyond = 1.5;                 ///< samples' bases lie at most this far beyond start and goal [m]
   double longest = 1e18;               ///< longest way of the base through a sample to the goal [m]
 };
@@ -101,5 +126,11 @@ class Search {
   Edge edge_;
   EdgeList edges_;
 };
+
+/// Tries shortcut number `index`: it joins two times on the edges (every third try: two corners) by one edge and takes
+/// that if it is free and quicker. Every second edge of a differential base ends in its driving direction. `work` and
+/// `spare` are scratch. Checks at most three edges.
+void try_shortcut(FreeSpace& space, double check_step, int index, CountedDraws& draws, EdgeList& edges, EdgeList& work,
+                  Edge& spare) noexcept;
 
 }  // namespace moma

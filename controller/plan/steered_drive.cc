@@ -1,8 +1,5 @@
 #include "controller/plan/steered_drive.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace moma {
 namespace {
 

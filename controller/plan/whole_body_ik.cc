@@ -38,7 +38,7 @@ WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const WholeBod
       upper_(limits.num_joints()),
       round_(limits.num_joints()) {
   for (int i = 0; i < limits.num_joints(); ++i) {
-    const bool turns = model_->joints[static_cast<std::size_t>(i)].type != JointType::kPrismatic;
+    const bool turns = model_->joint(i).type != JointType::kPrismatic;
     round_[i] = turns && limits.upper[i] - limits.lower[i] > kFullTurn - kGap ? 1 : 0;
   }
   keep_room(1.0);

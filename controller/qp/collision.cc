@@ -6,22 +6,6 @@
 #include "controller/safe/goal_clearance.h"
 
 namespace moma {
-namespace {
-
-RowKind row_kind(PairKind kind) noexcept {
-  switch (kind) {
-    case PairKind::kObject:
-      return RowKind::kObject;
-    case PairKind::kFloor:
-      return RowKind::kFloor;
-    case PairKind::kSelf:
-      return RowKind::kSelf;
-  }
-  return RowKind::kObject;
-}
-
-}  // namespace
-
 double approach_speed(const DamperParams& params, double d) noexcept {
   return params.gain * (d - params.stop) / (params.influence - params.stop);
 }
@@ -70,15 +54,7 @@ void CollisionRows::keep_from_resting(double hand, double arm, double rate) noex
 }
 
 const DamperParams& CollisionRows::damper(PairKind kind) const noexcept {
-  switch (kind) {
-    case PairKind::kObject:
-      return params_.object;
-    case PairKind::kFloor:
-      return params_.floor;
-    case PairKind::kSelf:
-      return params_.self;
-  }
-  return params_.object;
+  return kind == PairKind::kFloor ? params_.floor : kind == PairKind::kSelf ? params_.self : params_.object;
 }
 
 const DamperParams& CollisionRows::damper(const ProximityPair& pair,
@@ -116,11 +92,11 @@ void CollisionRows::add(const Kinematics& kinematics, std::span<const ObjectStat
 bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states,
                          std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept {
   const Distance& distance = pair.distance;
-  const int first_link = model_->shapes[static_cast<std::size_t>(pair.first)].link;
+  const int first_link = model_->shape(pair.first).link;
   kinematics.point_jacobian(first_link, distance.p_first_W, J_first_);
   row_.noalias() = -J_first_.transpose() * distance.n_W;
   if (pair.kind == PairKind::kSelf) {
-    const int second_link = model_->shapes[static_cast<std::size_t>(pair.second)].link;
+    const int second_link = model_->shape(pair.second).link;
     kinematics.point_jacobian(second_link, distance.p_second_W, J_second_);
     // n12 = -n_W points from the first link to the second.
     row_.noalias() += J_second_.transpose() * distance.n_W;
@@ -158,9 +134,11 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
   }
   // A NaN keeps the row, so that the solver's input check reports it.
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
+  const RowKind kind = pair.kind == PairKind::kFloor  ? RowKind::kFloor
+                       : pair.kind == PairKind::kSelf ? RowKind::kSelf
+                                                      : RowKind::kObject;
   const int row = problem.append(
-      {row_kind(pair.kind), pair.first, pair.second, moves, distance.d, distance.p_first_W, distance.p_second_W},
-      -kInfinity, limit);
+      {kind, pair.first, pair.second, moves, distance.d, distance.p_first_W, distance.p_second_W}, -kInfinity, limit);
   if (row < 0) return false;
   problem.A.row(row).head(row_.size()) = row_.transpose();
   return true;

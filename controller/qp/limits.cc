@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "controller/model/base_kind.h"
-#include "controller/model/limit_part.h"
+#include "controller/model/robot_model.h"
 #include "controller/safe/braking.h"
 
 namespace moma {
@@ -30,9 +30,9 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
       hard_joints_(params.joint_limits.method == JointLimitMethod::kBraking),
       pair_(hard_base_ && kind_of(model.base.type).lateral()) {
   for (int i = 0; i < model.num_joints(); ++i) {
-    q_lower_[i] = model.joints[static_cast<std::size_t>(i)].lower;
-    q_upper_[i] = model.joints[static_cast<std::size_t>(i)].upper;
-    part_[i] = limit_part(model.joints[static_cast<std::size_t>(i)]);
+    q_lower_[i] = model.joint(i).lower;
+    q_upper_[i] = model.joint(i).upper;
+    part_[i] = limit_part(model.joint(i));
   }
   const double foreseen = foreseen_speed(model, params.collision);
   for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], foreseen);
@@ -107,6 +107,13 @@ void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref
     // An infinite limit (a continuous joint, or one open on a side) gives infinite room and no bound.
     const double above = q_upper_[i] - q[i];
     const double below = q[i] - q_lower_[i];
+    const auto bound = [&](double up, double down) {
+      high = up;
+      low = -down;
+      if (low > high) low = high = 0.5 * (low + high);
+      high = std::min(std::max(high, -speed), speed);
+      low = std::min(std::max(low, -speed), speed);
+    };
     switch (law_.method) {
       case JointLimitMethod::kNone:
         break;
@@ -115,18 +122,11 @@ void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref
         low = -source_bound(below, margin_[i], speed);
         break;
       case JointLimitMethod::kDamper:
-        high = damper_bound(above, law_, part_[i]);
-        low = -damper_bound(below, law_, part_[i]);
-        if (low > high) low = high = 0.5 * (low + high);
-        high = std::min(std::max(high, -speed), speed);
-        low = std::min(std::max(low, -speed), speed);
+        bound(damper_bound(above, law_, part_[i]), damper_bound(below, law_, part_[i]));
         break;
       case JointLimitMethod::kBraking:
-        high = braking_bound(above, law_, part_[i], deceleration_[i] / hold, reaction);
-        low = -braking_bound(below, law_, part_[i], deceleration_[i] / hold, reaction);
-        if (low > high) low = high = 0.5 * (low + high);
-        high = std::min(std::max(high, -speed), speed);
-        low = std::min(std::max(low, -speed), speed);
+        bound(braking_bound(above, law_, part_[i], deceleration_[i] / hold, reaction),
+              braking_bound(below, law_, part_[i], deceleration_[i] / hold, reaction));
         break;
     }
     lower[v] = low;
@@ -193,7 +193,7 @@ VectorX resolve_margin(const RobotModel& model, const JointLimitParams& params) 
   if (!params.auto_margin) return params.margin;
   VectorX margin(model.num_joints());
   for (int i = 0; i < model.num_joints(); ++i) {
-    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+    const ControlledJoint& joint = model.joint(i);
     margin[i] = std::min(0.3, 0.25 * (joint.upper - joint.lower));
   }
   return margin;

@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "controller/model/proximity.h"
 #include "controller/qp/collision.h"

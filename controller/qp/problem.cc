@@ -42,7 +42,7 @@ double QpProblem::cost(const Eigen::Ref<const VectorX>& x) const noexcept {
 }
 
 std::string row_name(const RowId& id, const RobotModel& model, std::span<const std::string> object_names) {
-  const auto shape = [&](int i) { return model.shapes[static_cast<std::size_t>(i)].name; };
+  const auto shape = [&](int i) { return model.shape(i).name; };
   switch (id.kind) {
     case RowKind::kTracking:
       return std::string("tracking/") + std::to_string(id.first);

@@ -41,7 +41,7 @@ double SeparationRows::fill(const Kinematics& kinematics, const ProximityPair& p
   const Distance& distance = pair.distance;
   const auto second = static_cast<std::size_t>(pair.second);
   const ObjectState& object = moving_[second];
-  kinematics.point_jacobian(model_->shapes[static_cast<std::size_t>(pair.first)].link, distance.p_first_W, J_);
+  kinematics.point_jacobian(model_->shape(pair.first).link, distance.p_first_W, J_);
   row_.noalias() = -J_.transpose() * distance.n_W;
   const Vector3 arm = distance.p_second_W - object.X_WO.translation();
   const Vector3 p_dot = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);

@@ -292,7 +292,7 @@ double BrakeCheck::margin_of(const ProximityPair& pair) noexcept {
   if (!states_[static_cast<std::size_t>(pair.second)].seen) return unseen_ - params_.margin;
   if (!uncertainty_.on()) return 0.0;
   const auto second = static_cast<std::size_t>(pair.second);
-  kinematics_.point_jacobian(model_->shapes[static_cast<std::size_t>(pair.first)].link, pair.distance.p_first_W, J_);
+  kinematics_.point_jacobian(model_->shape(pair.first).link, pair.distance.p_first_W, J_);
   row_.noalias() = -J_.transpose() * pair.distance.n_W;
   return uncertainty_.margin(pair, kinematics_, row_, &states_[second],
                              second < spreads_.size() ? spreads_[second] : PlaceSpread{});

@@ -90,7 +90,7 @@ double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
     const Eigen::Index k = ramp_.dof() + i;
     const double speed = std::max(std::abs(o.qdot[k]), std::abs(command[k]));
     const double way = speed * dt_ + 0.5 * speed * speed / acceleration_[k];
-    (model_->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? moved : turned) += way;
+    (model_->joint(i).type == JointType::kPrismatic ? moved : turned) += way;
   }
   return reach + moved + 2.0 * reach * turned;
 }

@@ -1,6 +1,5 @@
 #include "controller/safe/goal_clearance.h"
 
-#include <algorithm>
 #include <optional>
 
 namespace moma {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "controller/model/kinematics.h"
 #include "controller/model/sensor_frames.h"

@@ -5,7 +5,6 @@
 
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
-#include "controller/describe/range.h"
 
 namespace moma {
 
@@ -16,8 +15,7 @@ struct BrakingParams {
   double reaction = 0.02;  ///< time until braking begins [s]
 };
 
-template <class V>
-constexpr void describe(V& v, Of<BrakingParams>) {
+constexpr void describe(auto& v, Of<BrakingParams>) {
   using P = BrakingParams;
   v.member("share", &P::share,
            in_range({0.0, 1.0, true}, "1", "share of the deceleration with all velocities braking"));
@@ -28,7 +26,6 @@ constexpr void describe(V& v, Of<BrakingParams>) {
 /// violate them.
 enum class Relaxation { kCommon, kBackup };
 constexpr auto words(Of<Relaxation>) { return std::to_array<std::string_view>({"common", "backup"}); }
-static_assert(all_worded<Relaxation>());
 
 /// Check ahead: scales down commands whose backup trajectory comes too near to objects at rest (brake_check.h).
 struct BrakeCheckParams {
@@ -40,26 +37,17 @@ struct BrakeCheckParams {
   double own = 0.5;
 };
 
-template <class V>
-constexpr void describe(V& v, Of<BrakeCheckParams>) {
+constexpr void describe(auto& v, Of<BrakeCheckParams>) {
   using P = BrakeCheckParams;
   v.member("margin", &P::margin, positive("m", "distance kept on the braking trajectory"));
   v.member("every", &P::every, in_range({1.0, 1000.0}, "", "control periods between checked moments"));
-  v.member("widening", &P::widening,
-           {.unit = "1",
-            .range = {1.0, 100.0},
-            .written = Written::kUnlessDefault,
-            .text = "factor on margins of uncertainty along the braking trajectory"});
-  v.member("range", &P::range,
-           {.unit = "m",
-            .range = Range::positive(),
-            .written = Written::kUnlessDefault,
-            .text = "range of the pairs from which these margins are taken"});
+  v.member(
+      "widening", &P::widening,
+      unless_default(in_range({1.0, 100.0}, "1", "factor on margins of uncertainty along the braking trajectory")));
+  v.member("range", &P::range, unless_default(positive("m", "range of the pairs from which these margins are taken")));
   v.member("own", &P::own,
-           {.unit = "1",
-            .range = {0.0, 1.0},
-            .written = Written::kUnlessDefault,
-            .text = "share of the stop distances of floor and self rows that a braking trajectory keeps"});
+           unless_default(in_range(
+               {0.0, 1.0}, "1", "share of the stop distances of floor and self rows that a braking trajectory keeps")));
 }
 
 /// Distances to objects at rest shrink towards those of the goal's own pose (goal_clearance.h).
@@ -70,8 +58,7 @@ struct GoalClearanceParams {
   double slope = 0.25;    ///< increase of that per distance from the goal [1]
 };
 
-template <class V>
-constexpr void describe(V& v, Of<GoalClearanceParams>) {
+constexpr void describe(auto& v, Of<GoalClearanceParams>) {
   using P = GoalClearanceParams;
   v.member("least", &P::least, positive("m", "least distance, at the goal itself"));
   v.member("part", &P::part,
@@ -89,8 +76,7 @@ struct SeparationParams {
   double range = 3.0;      ///< nearer objects have rows [m]
 };
 
-template <class V>
-constexpr void describe(V& v, Of<SeparationParams>) {
+constexpr void describe(auto& v, Of<SeparationParams>) {
   using P = SeparationParams;
   v.member("reaction", &P::reaction, non_negative("s", "T_R: time from an event to the beginning of braking"));
   v.member("speed", &P::speed, non_negative("m/s", "lower bound of v_H"));
@@ -107,8 +93,7 @@ struct EvasionParams {
   double margin = 0.08;  ///< distance from them on a way out [m]
 };
 
-template <class V>
-constexpr void describe(V& v, Of<EvasionParams>) {
+constexpr void describe(auto& v, Of<EvasionParams>) {
   using P = EvasionParams;
   v.member("horizon", &P::horizon, in_range({0.0, 10.0, true}, "s", "horizon of the prediction"));
   v.member("margin", &P::margin, positive("m", "distance from moving objects on a way out"));
@@ -122,8 +107,7 @@ struct MemoryParams {
   double keep = 1.0;  ///< time for which moving objects are kept, and all objects of a robot without sensors [s]
 };
 
-template <class V>
-constexpr void describe(V& v, Of<MemoryParams>) {
+constexpr void describe(auto& v, Of<MemoryParams>) {
   using P = MemoryParams;
   v.member(
       "rays", &P::rays,
@@ -180,8 +164,7 @@ struct PredictionParams {
   MemoryParams memory;
 };
 
-template <class V>
-constexpr void describe(V& v, Of<PredictionParams>) {
+constexpr void describe(auto& v, Of<PredictionParams>) {
   using P = PredictionParams;
   constexpr Range kLateness{0.0, 2.0};
   v.group("drives", "latency from a command to its effect", [=](auto& g) {
@@ -202,7 +185,7 @@ constexpr void describe(V& v, Of<PredictionParams>) {
   });
   v.member("identify", &P::identify, {.text = "identify the round trips of base and joints from their motion"});
   v.member("estimation", &P::estimation,
-           {.written = Written::kUnlessDefault, .text = "estimation of lateness, and jumps that begin it anew"});
+           unless_default({.text = "estimation of lateness, and jumps that begin it anew"}));
   v.optional("memory", &P::memory, &MemoryParams::enabled, Off::kOmitted,
              "objects that are no longer reported stay until a sensor sees through their place");
 }
@@ -224,8 +207,7 @@ struct UncertaintyParams {
   double joints = 0.0;                   ///< of each joint [rad or m]
 };
 
-template <class V>
-constexpr void describe(V& v, Of<UncertaintyParams>) {
+constexpr void describe(auto& v, Of<UncertaintyParams>) {
   using P = UncertaintyParams;
   constexpr Range kSpread = Range::non_negative();
   v.member("probability", &P::probability,
@@ -262,8 +244,7 @@ struct SightParams {
   double speed = 0.0;     ///< speed at which an object may approach [m/s]
 };
 
-template <class V>
-constexpr void describe(V& v, Of<SightParams>) {
+constexpr void describe(auto& v, Of<SightParams>) {
   using P = SightParams;
   v.member("range", &P::range, positive("m", "distance at which every object is seen"));
   v.member("reach", &P::reach, non_negative("m", "extent of the robot, plus the distance to keep"));

@@ -35,28 +35,23 @@ struct PoseTrack {
   }
 };
 
-template <class V>
-constexpr void describe(V& v, Of<PoseTrack>) {
+constexpr void describe(auto& v, Of<PoseTrack>) {
   using T = PoseTrack;
   v.member("seen", &T::seen, non_negative("", "measurements since it was begun afresh"));
   v.member("moving", &T::moving, {.text = "whether it is in motion"});
   v.member("position", &T::p_W, {.unit = "m"});
   v.member("rotation", &T::R_W, quantity("1", "matrix, column by column"));
   v.member("velocity", &T::V_W, quantity("rad/s or m/s", "angular, then linear"));
-  v.member("pose_spread", &T::pose_spread, {.unit = "1", .range = Range::non_negative()});
-  v.member("twist_spread", &T::twist_spread, {.unit = "1", .range = Range::non_negative()});
-  v.member("unseen", &T::unseen, {.unit = "s", .range = Range::non_negative()});
+  v.member("pose_spread", &T::pose_spread, non_negative("1", ""));
+  v.member("twist_spread", &T::twist_spread, non_negative("1", ""));
+  v.member("unseen", &T::unseen, non_negative("s", ""));
   v.member("passed", &T::passed,
-           {.unit = "s",
-            .range = Range::non_negative(),
-            .written = Written::kUnlessDefault,
-            .text = "for which sensors looked through it since the last measurement"});
-  v.member("stated", &T::stated,
-           {.written = Written::kUnlessDefault, .text = "whether the last measurement came with covariances"});
+           unless_default(non_negative("s", "for which sensors looked through it since the last measurement")));
+  v.member("stated", &T::stated, unless_default({.text = "whether the last measurement came with covariances"}));
   v.member("position_covariance", &T::position_covariance,
-           {.unit = "m^2", .written = Written::kUnlessDefault, .text = "as measured last, column by column"});
+           unless_default(quantity("m^2", "as measured last, column by column")));
   v.member("velocity_covariance", &T::velocity_covariance,
-           {.unit = "(m/s)^2", .written = Written::kUnlessDefault, .text = "as measured last, column by column"});
+           unless_default(quantity("(m/s)^2", "as measured last, column by column")));
 }
 
 /// Time constants of exponential filters [s]; 0: no filter.

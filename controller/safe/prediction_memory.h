@@ -31,33 +31,26 @@ struct PredictionMemory {
   PoseTrack goal;
 };
 
-template <class V>
-constexpr void describe(V& v, Of<PredictionMemory>) {
+constexpr void describe(auto& v, Of<PredictionMemory>) {
   using M = PredictionMemory;
-  v.member("time", &M::time, {.unit = "s", .written = Written::kUnlessDefault, .text = "of the last observation"});
-  v.member("hold", &M::hold,
-           {.range = Range::positive(),
-            .written = Written::kUnlessDefault,
-            .text = "periods that a command may have to act for, because steps were missed of late"});
+  v.member("time", &M::time, unless_default(quantity("s", "of the last observation")));
+  v.member(
+      "hold", &M::hold,
+      unless_default(positive("", "periods that a command may have to act for, because steps were missed of late")));
   v.member("computed", &M::computed, quantity("rad/s or m/s", "commands of past periods, the latest first"));
   v.member("sent", &M::sent, quantity("rad/s or m/s", "the same as they were sent to the drives"));
   v.member("base_velocity", &M::base_velocity, quantity("m/s or rad/s", "the base's, by its ramp"));
   v.member("begun", &M::begun, {.text = "whether base is known"});
   v.member("base", &M::base, quantity("m or rad", "filtered x, y, phi as of the last measurement"));
   v.member("catching_up", &M::catching_up,
-           {.written = Written::kUnlessDefault, .text = "joints follow commands that waited longer before"});
-  v.member("drive", &M::drive,
-           {.written = Written::kUnlessDefault, .text = "`periods` counts the pairs of shares of its accelerations"});
-  v.member("driven", &M::driven,
-           {.unit = "m/s or rad/s", .written = Written::kUnlessDefault, .text = "the base's velocity by each pair"});
-  v.member("gain_measured", &M::gain_measured,
-           {.unit = "(m/s)^2 or (rad/s)^2",
-            .written = Written::kUnlessDefault,
-            .text = "sums of the base's velocities as measured times as commanded"});
+           unless_default({.text = "joints follow commands that waited longer before"}));
+  v.member("drive", &M::drive, unless_default({.text = "`periods` counts the pairs of shares of its accelerations"}));
+  v.member("driven", &M::driven, unless_default(quantity("m/s or rad/s", "the base's velocity by each pair")));
+  v.member(
+      "gain_measured", &M::gain_measured,
+      unless_default(quantity("(m/s)^2 or (rad/s)^2", "sums of the base's velocities as measured times as commanded")));
   v.member("gain_commanded", &M::gain_commanded,
-           {.unit = "(m/s)^2 or (rad/s)^2",
-            .written = Written::kUnlessDefault,
-            .text = "sums of the squares of those commanded"});
+           unless_default(quantity("(m/s)^2 or (rad/s)^2", "sums of the squares of those commanded")));
   v.member("base_trip", &M::base_trip, {.text = "from a command to the base's measured velocity"});
   v.member("joint_trip", &M::joint_trip, {.text = "from a command to the joints' measured velocity"});
   v.member("objects", &M::objects, {.text = "one for each object, in their order"});

@@ -12,8 +12,7 @@ struct RoundTrip {
   VectorX misfit;
 };
 
-template <class V>
-constexpr void describe(V& v, Of<RoundTrip>) {
+constexpr void describe(auto& v, Of<RoundTrip>) {
   v.member("periods", &RoundTrip::periods, non_negative("", "control periods that it takes"));
   v.member("misfit", &RoundTrip::misfit, {.text = "of 0, 1, 2 ... periods"});
 }
@@ -24,9 +23,17 @@ constexpr void describe(V& v, Of<RoundTrip>) {
 /// Only the sum of drive and sensor latency is observable, not its parts.
 
 /// Updates one age's misfit with this step's squared difference. `part`: control period / time constant.
-void settle(RoundTrip& trip, int age, double squared, double part) noexcept;
+inline void settle(RoundTrip& trip, int age, double squared, double part) noexcept {
+  trip.misfit[age] += part * (squared - trip.misfit[age]);
+}
 
 /// Takes the age with the least misfit, if it is clearly better. True if the age changed.
-bool choose(RoundTrip& trip, double floor, double better) noexcept;
+inline bool choose(RoundTrip& trip, double floor, double better) noexcept {
+  Eigen::Index best = 0;
+  if (!(trip.misfit.minCoeff(&best) + floor < better * (trip.misfit[trip.periods] + floor))) return false;
+  if (best == trip.periods) return false;
+  trip.periods = static_cast<int>(best);
+  return true;
+}
 
 }  // namespace moma

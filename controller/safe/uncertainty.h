@@ -1,8 +1,5 @@
 #pragma once
 
-#include <span>
-#include <vector>
-
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
 #include "controller/safe/params.h"

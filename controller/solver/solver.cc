@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/params.h"
+
 namespace moma {
 
 namespace {

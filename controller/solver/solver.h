@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include "controller/params.h"
 #include "controller/qp/problem.h"
 #include "controller/step.h"
 

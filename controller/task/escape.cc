@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "controller/task/servo.h"
-
 namespace moma {
 namespace {
 
@@ -25,8 +23,8 @@ double receding(const EscapeParams& params, const Vector6& error, const Vector6&
 // Sum of the distances from joint to joint, from the robot's root to its end effector.
 double arm_length(const RobotModel& model) noexcept {
   double length = model.X_TE.translation().norm();
-  for (int link = model.tip; link > 1; link = model.links[static_cast<std::size_t>(link)].parent)
-    length += model.links[static_cast<std::size_t>(link)].X_PJ.translation().norm();
+  for (int link = model.tip; link > 1; link = model.link(link).parent)
+    length += model.link(link).X_PJ.translation().norm();
   return length;
 }
 

@@ -10,7 +10,6 @@
 #include <map>
 #include <mutex>
 #include <new>
-#include <optional>
 #include <stdexcept>
 
 #include "eval/trial/key.h"
@@ -248,11 +247,11 @@ std::vector<BatchJob> make_jobs(std::span<const SuitePoint> points, std::uint64_
   }
   std::vector<BatchJob> jobs;
   jobs.reserve(points.size() * count);
-  std::vector<nlohmann::ordered_json> identities(groups.size());
+  std::vector<Json> identities(groups.size());
   for (std::uint64_t world = first; world < first + count; ++world) {
     for (auto& identity : identities) identity = nullptr;
     for (std::size_t p = 0; p < points.size(); ++p) {
-      nlohmann::ordered_json& identity = identities[group[p]];
+      Json& identity = identities[group[p]];
       if (identity.is_null()) identity = points[p].worlds.identity(world);
       jobs.push_back({p, world, keys[p].key(identity)});
     }

@@ -160,7 +160,7 @@ struct Cluster::Impl {
   }
 
   std::vector<Ticket>::iterator find(std::uint64_t number) {
-    return std::find_if(tickets.begin(), tickets.end(), [&](const Ticket& t) { return t.number == number; });
+    return std::ranges::find_if(tickets, [&](const Ticket& t) { return t.number == number; });
   }
 
   void hello(std::size_t w, const Letter& letter) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "controller/config/node.h"
+#include "controller/describe/enumeration.h"
 #include "eval/cli/command.h"
 #include "eval/cli/progress.h"
 #include "eval/cli/suite_options.h"
@@ -20,10 +21,7 @@ namespace moma::cli {
 namespace {
 
 std::string family_text(const Suite& suite) {
-  std::string text;
-  for (const auto& [family, n] : run::family_counts(suite))
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, family);
-  return text;
+  return joined(run::family_counts(suite), [](const auto& of) { return fmt::format("{} {}", of.second, of.first); });
 }
 
 /// "2 controllers (a, b) x 3 sweep points", or where a sweep has some of them only, "4 points of 2 controllers (a 3, b
@@ -32,10 +30,9 @@ std::string points_text(const Suite& suite) {
   std::map<std::string, std::size_t> points;
   for (const SuitePoint& point : suite.points) ++points[point.controller];
   const std::size_t each = points.begin()->second;
-  const bool alike = std::all_of(points.begin(), points.end(), [&](const auto& entry) { return entry.second == each; });
-  std::string names;
-  for (const auto& [name, count] : points)
-    names += fmt::format("{}{}{}", names.empty() ? "" : ", ", name, alike ? "" : fmt::format(" {}", count));
+  const bool alike = std::ranges::all_of(points, [&](const auto& entry) { return entry.second == each; });
+  const std::string names =
+      joined(points, [&](const auto& of) { return alike ? of.first : fmt::format("{} {}", of.first, of.second); });
   const std::string controllers =
       fmt::format("{} controller{} ({})", points.size(), points.size() == 1 ? "" : "s", names);
   if (!alike) return fmt::format("{} points of {}", suite.points.size(), controllers);
@@ -43,7 +40,7 @@ std::string points_text(const Suite& suite) {
 }
 
 /// Warns about each robot: drives too weak for the arm (with physics), visuals larger than the collision shapes.
-std::vector<std::string> robot_warnings(const Suite& suite, const std::filesystem::path& file) {
+std::vector<std::string> robot_warnings(const Suite& suite, const fs::path& file) {
   std::vector<std::string> warnings;
   std::set<std::string> seen;
   const auto say = [&](const RobotModel& model, const std::vector<std::string>& texts) {
@@ -96,7 +93,7 @@ void print_survey(const run::WorldSurvey& survey, bool times) {
                          whole(tally.trials), rounded(1e3 * trial, 0.1), rounded(100.0 * each / trial, 0.01)});
     // Most frequent first, those of equal count by name.
     std::vector<std::pair<std::string, std::uint64_t>> sorted(tally.log.rejections.begin(), tally.log.rejections.end());
-    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.second > b.second; });
     for (const auto& [why, count] : sorted)
       reasons.rows.push_back({robot, family, whole(count),
                               rounded(100.0 * static_cast<double>(count) / static_cast<double>(tally.log.tries), 0.1),
@@ -135,8 +132,8 @@ int check(const CheckOptions& check_options) {
             << terminal_safe(fmt::format("robot {}, {} mode, worlds: {} (seed {})", first.robot->model->name,
                                          to_string(first.simulation.mode), family_text(suite), first.worlds.seed()))
             << std::endl;
-  const auto disturbed = std::count_if(suite.points.begin(), suite.points.end(),
-                                       [](const SuitePoint& point) { return any(point.disturbances); });
+  const auto disturbed =
+      std::ranges::count_if(suite.points, [](const SuitePoint& point) { return any(point.disturbances); });
   if (disturbed == static_cast<std::ptrdiff_t>(suite.points.size())) {
     std::cout << "sensors and drives are disturbed\n";
   } else if (disturbed > 0) {

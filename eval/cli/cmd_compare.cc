@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <vector>
@@ -93,15 +92,14 @@ std::string name_of(const run::ComparedPoints& compared, bool of_a, const std::s
 
 /// Prints the comparison as JSON.
 void print_as_json(const run::ComparedPoints& compared, const CompareOptions& options) {
-  using nlohmann::ordered_json;
   const stats::Comparison& all = compared.comparison;
-  ordered_json json{{"a", name_of(compared, true, options.a)},
-                    {"b", name_of(compared, false, options.b)},
-                    {"suite", compared.suite},
-                    {"n", all.n},
-                    {"errors_a", all.errors_a},
-                    {"errors_b", all.errors_b}};
-  json["pairs"] = ordered_json::array();
+  Json json{{"a", name_of(compared, true, options.a)},
+            {"b", name_of(compared, false, options.b)},
+            {"suite", compared.suite},
+            {"n", all.n},
+            {"errors_a", all.errors_a},
+            {"errors_b", all.errors_b}};
+  json["pairs"] = Json::array();
   for (const auto& [a, b] : compared.pairs) json["pairs"].push_back({{"a", a.name()}, {"b", b.name()}});
   QueryResult rates{{"rate", "n", "a", "a_low", "a_high", "b", "b_low", "b_high", "difference", "low", "high", "only_a",
                      "only_b", "p_mcnemar", "p_holm"},

@@ -1,4 +1,3 @@
-#include <filesystem>
 #include <iostream>
 
 #include "eval/cli/command.h"
@@ -20,7 +19,7 @@ int identify_robot(const IdentifyOptions& options) {
   const OutputFile controller(options.controller, "file of what was identified", options.replace);
   const identify::Found found = identify::identify(identify::read_log(options.log));
   std::cout << identify::summary(found) << std::flush;
-  const std::string source = std::filesystem::path(options.log).filename().string();
+  const std::string source = fs::path(options.log).filename().string();
   if (disturbances.wanted()) disturbances.write(disturbances_file(found, source));
   if (controller.wanted()) controller.write(controller_file(found, source));
   return kOk;

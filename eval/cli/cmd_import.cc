@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <iostream>
 #include <map>
 
@@ -17,9 +16,9 @@ namespace moma::cli {
 namespace {
 
 struct ImportOptions {
-  std::vector<std::filesystem::path> files;
-  std::filesystem::path robot;
-  std::filesystem::path output;
+  std::vector<fs::path> files;
+  fs::path robot;
+  fs::path output;
   files::Replace replace = files::Replace::kOwn;
 };
 

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <iostream>
 #include <string>
 
@@ -12,8 +11,6 @@
 
 namespace moma::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kSuite =
     R"(# What is evaluated: a robot, controllers, worlds. Every key: docs/reference/suites.md, or moma keys.

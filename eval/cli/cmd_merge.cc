@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <iostream>
 
 #include "eval/cli/command.h"
@@ -14,8 +13,8 @@ namespace moma::cli {
 namespace {
 
 struct MergeStores {
-  std::filesystem::path out;
-  std::vector<std::filesystem::path> in;
+  fs::path out;
+  std::vector<fs::path> in;
 };
 
 int merge(const MergeStores& options) {

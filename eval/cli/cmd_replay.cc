@@ -9,13 +9,12 @@
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/identify/motion_log.h"
-#include "eval/run/log_of_trial.h"
 #include "eval/run/named_point.h"
 #include "eval/run/replay.h"
 #include "eval/store/columns.h"
 #include "eval/store/reader.h"
-#include "eval/trial/trace_json.h"
 #include "eval/trial/trial.h"
+#include "eval/trial/trial_detail.h"
 #include "files/output_file.h"
 
 namespace moma::cli {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <filesystem>
 #include <iostream>
 #include <map>
 #include <string>
@@ -30,10 +29,10 @@ namespace {
 /// Search path of a robot's meshes.
 struct Place {
   config::PackagePaths packages;
-  std::filesystem::path folder;
+  fs::path folder;
 };
 
-Place place_of(const std::filesystem::path& robot_file, std::string& urdf) {
+Place place_of(const fs::path& robot_file, std::string& urdf) {
   const config::Node node = config::load_yaml(robot_file);
   config::MapReader robot(node, "");
   config::RobotBuild build;
@@ -83,14 +82,14 @@ reports::DistanceRows rows_of(const TrialRows& of) {
 /// Returns the looks of stored robots: the visual elements of their URDFs, with meshes from where package:// and
 /// file:// lead. `robots`: robot files; where one names the same URDF, its packages and its folder are looked in as
 /// well.
-reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
+reports::Look robot_look(const std::vector<fs::path>& robots) {
   std::map<std::string, Place> places;
-  for (const std::filesystem::path& robot : robots) {
+  for (const fs::path& robot : robots) {
     std::string urdf;
     Place place = place_of(robot, urdf);
     places[urdf] = std::move(place);
   }
-  return [places](const nlohmann::ordered_json& robot) {
+  return [places](const Json& robot) {
     std::vector<reports::VisualPart> parts;
     try {
       const std::string urdf = robot.at("urdf_text").get<std::string>();
@@ -110,7 +109,7 @@ reports::Look robot_look(const std::vector<std::filesystem::path>& robots) {
 
 /// Simulates a stored trial's motion and the rows of its QP again, from the store alone. `suites` has to outlive it.
 reports::Simulate simulated_again(run::StoredSuites& suites) {
-  return [&suites](const std::filesystem::path& db, const std::string& trial) -> std::optional<reports::OwnedSamples> {
+  return [&suites](const fs::path& db, const std::string& trial) -> std::optional<reports::OwnedSamples> {
     try {
       TrialRows rows;
       const run::Replay replay = run::replay(db, trial, suites, &rows);
@@ -127,7 +126,7 @@ reports::Simulate simulated_again(run::StoredSuites& suites) {
   };
 }
 
-std::string notes_of(const std::filesystem::path& file) {
+std::string notes_of(const fs::path& file) {
   try {
     return config::read_text_file(file);
   } catch (const std::runtime_error& error) {
@@ -139,8 +138,8 @@ std::string notes_of(const std::filesystem::path& file) {
 struct Page {
   reports::Stores stores;
   reports::ViewOptions report;
-  std::filesystem::path notes;
-  std::vector<std::filesystem::path> robots;
+  fs::path notes;
+  std::vector<fs::path> robots;
   bool shapes = false;
   Plugins plugins = Plugins::kRefused;
   run::StoredSuites suites;
@@ -148,15 +147,15 @@ struct Page {
   /// Adds DB, --notes, --look, --shapes and --allow-plugins.
   void add_to(CLI::App& command);
   /// The first store's name with .html.
-  std::filesystem::path usual_file() const { return std::filesystem::path(stores.front()).replace_extension(".html"); }
+  fs::path usual_file() const { return fs::path(stores.front()).replace_extension(".html"); }
   /// Gives `report` the notes, the robots' looks, and the simulation of stored trials. A robot with a mesh that cannot
   /// be found or read has no look, and a line on standard error says why. Throws UsageError (--notes) and
   /// config::ConfigError (--look).
   void complete();
-  void write_to(const std::filesystem::path& html);
+  void write_to(const fs::path& html);
 };
 
-void tell_written(const std::filesystem::path& file) { std::cerr << fmt::format("wrote {}\n", file.string()); }
+void tell_written(const fs::path& file) { std::cerr << fmt::format("wrote {}\n", file.string()); }
 
 void Page::add_to(CLI::App& command) {
   add_store(command, stores, "Store; several are compared on one page");
@@ -179,7 +178,7 @@ void Page::complete() {
   };
 }
 
-void Page::write_to(const std::filesystem::path& html) {
+void Page::write_to(const fs::path& html) {
   complete();
   reports::write_report(stores, html, report);
   tell_written(html);
@@ -193,18 +192,18 @@ static_assert(store::kSchemaVersion <= reports::kNewestSchema,
 namespace {
 
 struct ReportFiles : Page {
-  std::filesystem::path html;
+  fs::path html;
 };
 
 int write_files(ReportFiles& options) {
-  std::filesystem::path html = options.html;
+  fs::path html = options.html;
   if (html.empty()) html = options.usual_file();
   options.write_to(html);
   return kOk;
 }
 
 int open_page(Page& options) {
-  const std::filesystem::path html = options.usual_file();
+  const fs::path html = options.usual_file();
   options.write_to(html);
   if (!reports::open_in_browser(html))
     std::cerr << "no browser could be started (BROWSER names one): open the file yourself\n";

@@ -25,7 +25,7 @@ struct ReproduceOptions {
 
 run::Experiment experiment_of(const ReproduceOptions& options) {
   run::Experiment experiment = run::read_experiment(
-      options.published.empty() ? run::find_published() : std::filesystem::path(options.published), options.experiment);
+      options.published.empty() ? run::find_published() : fs::path(options.published), options.experiment);
   if (!options.averaging.empty()) {
     const auto found = from_string<run::Averaging>(options.averaging);
     if (!found)

@@ -48,7 +48,7 @@ void add_splitting(CLI::App& command, risk::SplittingOptions& splitting) {
   command.add_option("--split-seed", splitting.seed, "Seed of choices and moves (1)");
 }
 
-void add_moved_trials_store(CLI::App& command, std::filesystem::path& file) {
+void add_moved_trials_store(CLI::App& command, fs::path& file) {
   command.add_option("-o,--output", file,
                      "Store to keep trials in, made if missing: the same command goes on after a stop");
 }

@@ -22,7 +22,6 @@
 namespace moma::cli {
 namespace {
 
-namespace fs = std::filesystem;
 using store::Cell;
 
 struct RobotOptions {
@@ -40,13 +39,7 @@ struct RobotOptions {
 std::string kinds_text(const std::vector<fit::Placed>& shapes) {
   std::map<ShapeKind, int> count;
   for (const fit::Placed& placed : shapes) ++count[placed.solid.shape.kind];
-  std::string text;
-  for (const auto& [kind, n] : count) {
-    const std::string name(to_string(kind));
-    text += text.empty() ? "" : ", ";
-    text += n == 1 ? name : fmt::format("{} {}{}", n, name, kind == ShapeKind::kBox ? "es" : "s");
-  }
-  return text;
+  return fit::kinds_text(count);
 }
 
 Cell millimetres(double metres) { return rounded(1e3 * metres, 0.1); }
@@ -74,7 +67,7 @@ store::QueryResult error_table(const fit::RobotFit& fit) {
 std::string self_text(const fit::RobotFit& fit) {
   std::vector<std::string> added;
   for (const auto& pair : fit.after.touching)
-    if (std::find(fit.before.touching.begin(), fit.before.touching.end(), pair) == fit.before.touching.end())
+    if (std::ranges::find(fit.before.touching, pair) == fit.before.touching.end())
       added.push_back(pair.first + " - " + pair.second);
   return fmt::format(
       "shapes {}, were {}; self-collision pairs {}, were {}; links in touch at `ready` {}, were {}; new among them: "
@@ -88,8 +81,7 @@ std::string report(const fit::RobotFit& fit) {
   write(text, error_table(fit), Format::kTable);
   text << "\nOvershoot: from the shapes' outer surface to the hull of what they enclose, on 2,000 points.\n"
        << self_text(fit);
-  const auto same =
-      std::count_if(fit.links.begin(), fit.links.end(), [](const fit::LinkFit& link) { return !link.like.empty(); });
+  const auto same = std::ranges::count_if(fit.links, [](const fit::LinkFit& link) { return !link.like.empty(); });
   if (same > 0) text << fmt::format("links with the geometry of an earlier one, and its shapes: {}\n", same);
   return text.str();
 }
@@ -133,9 +125,7 @@ fit::RobotFit fitted_shapes(const RobotOptions& options, const fs::path& robot_f
   fit::FitOptions fit_options;
   fit_options.max_shapes = options.max_shapes;
   if (!options.kinds.empty()) {
-    const auto named = [&](const char* kind) {
-      return std::find(options.kinds.begin(), options.kinds.end(), kind) != options.kinds.end();
-    };
+    const auto named = [&](const char* kind) { return std::ranges::find(options.kinds, kind) != options.kinds.end(); };
     fit_options.kinds = {.sphere = named("sphere"), .capsule = named("capsule"), .box = named("box")};
   }
   StatusLine line(false);
@@ -166,13 +156,7 @@ int fit_shapes(const RobotOptions& options) {
   return kOk;
 }
 
-using nlohmann::ordered_json;
 using store::QueryResult;
-
-Cell limit(double value) {
-  if (std::isinf(value)) return std::string(value > 0 ? "none" : "-none");
-  return value;
-}
 
 void print_base(const RobotModel& model) {
   const MobileBase& base = model.base;
@@ -189,18 +173,21 @@ void print_base(const RobotModel& model) {
     std::cout << '\n';
   }
   std::cout << fmt::format("mount: {}; end effector: {} + {}\n\n", vector_text(base.X_BM.translation()),
-                           terminal_safe(model.links[static_cast<std::size_t>(model.tip)].name),
-                           vector_text(model.X_TE.translation()));
+                           terminal_safe(model.link(model.tip).name), vector_text(model.X_TE.translation()));
 }
 
-QueryResult joint_table(const RobotModel& model) {
+/// `for_person`: what has no limit says so in words; programs get nothing.
+QueryResult joint_table(const RobotModel& model, bool for_person) {
   QueryResult table{{"joint", "type", "lower", "upper", "velocity", "effort", "ready", "moves"}, {}};
-  for (int i = 0; i < model.num_joints(); ++i) {
-    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+  if (!for_person) table.columns.front() = "name", table.columns.back() = "link";
+  const auto limit = [&](double value) {
+    if (std::isfinite(value)) return Cell{value};
+    return for_person ? Cell{std::string(value > 0 ? "none" : "-none")} : Cell{};
+  };
+  for (const ControlledJoint& joint : model.joints)
     table.rows.push_back({joint.name, std::string(to_string(joint.type)), limit(joint.lower), limit(joint.upper),
-                          joint.velocity, joint.effort, model.ready[i],
-                          model.links[static_cast<std::size_t>(joint.link)].name});
-  }
+                          joint.velocity, joint.effort, model.ready[static_cast<Eigen::Index>(table.rows.size())],
+                          model.link(joint.link).name});
   return table;
 }
 
@@ -215,9 +202,8 @@ QueryResult link_table(const RobotModel& model) {
       shapes += shape_text(shape.shape);
     }
     const bool held = link.controlled < 0 && link.joint_type != JointType::kFixed;
-    table.rows.push_back({link.name,
-                          link.parent < 0 ? std::string() : model.links[static_cast<std::size_t>(link.parent)].name,
-                          link.joint, link.parent < 0 ? std::string() : std::string(to_string(link.joint_type)),
+    table.rows.push_back({link.name, link.parent < 0 ? std::string() : model.link(link.parent).name, link.joint,
+                          link.parent < 0 ? std::string() : std::string(to_string(link.joint_type)),
                           link.inertial ? Cell{link.inertial->mass} : Cell{}, held ? Cell{link.held} : Cell{}, shapes});
   }
   return table;
@@ -227,7 +213,7 @@ QueryResult sensor_table(const RobotModel& model) {
   QueryResult table{{"sensor", "link", "position m", "looks along", "view rad", "rays", "range m", "frames/s"}, {}};
   for (const MountedSensor& mounted : model.sensors) {
     const Sensor& s = mounted.sensor;
-    table.rows.push_back({s.name, model.links[static_cast<std::size_t>(mounted.link)].name, vector_text(s.position),
+    table.rows.push_back({s.name, model.link(mounted.link).name, vector_text(s.position),
                           vector_text(mounted.X_LC.linear().col(0)),
                           fmt::format("{:.4g} x {:.4g}", s.field_of_view[0], s.field_of_view[1]),
                           fmt::format("{} x {}", s.columns, s.rows), s.range, s.rate});
@@ -250,40 +236,30 @@ std::vector<std::string> all_warnings(const fs::path& file, const config::Loaded
   return all;
 }
 
-ordered_json to_json(const config::LoadedRobot& robot, const std::vector<std::string>& warnings) {
+Json to_json(const config::LoadedRobot& robot, const std::vector<std::string>& warnings) {
   const RobotModel& model = *robot.model;
-  ordered_json json = {{"name", model.name},
-                       {"base", std::string(to_string(model.base.type))},
-                       {"velocities", model.velocity_names()},
-                       {"tip", model.links[static_cast<std::size_t>(model.tip)].name},
-                       {"mass", total_mass(model)}};
-  const auto finite = [](double value) { return std::isfinite(value) ? Cell{value} : Cell{}; };
-  const auto name_of = [&](int link) {
-    return link < 0 ? Cell{} : Cell{model.links[static_cast<std::size_t>(link)].name};
-  };
-  QueryResult joints{{"name", "type", "lower", "upper", "velocity", "effort", "ready", "link"}, {}};
-  for (int i = 0; i < model.num_joints(); ++i) {
-    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
-    joints.rows.push_back({joint.name, std::string(to_string(joint.type)), finite(joint.lower), finite(joint.upper),
-                           joint.velocity, joint.effort, model.ready[i], name_of(joint.link)});
-  }
-  json["joints"] = rows_as_json(joints);
+  Json json = {{"name", model.name},
+               {"base", std::string(to_string(model.base.type))},
+               {"velocities", model.velocity_names()},
+               {"tip", model.link(model.tip).name},
+               {"mass", total_mass(model)}};
+  const auto name_of = [&](int link) { return link < 0 ? Cell{} : Cell{model.link(link).name}; };
+  json["joints"] = rows_as_json(joint_table(model, false));
   QueryResult links{{"name", "parent", "joint", "type", "mass"}, {}};
   for (const Link& link : model.links)
     links.rows.push_back({link.name, name_of(link.parent), link.joint, std::string(to_string(link.joint_type)),
                           link.inertial ? Cell{link.inertial->mass} : Cell{}});
   json["links"] = rows_as_json(links);
-  json["shapes"] = ordered_json::array();
+  json["shapes"] = Json::array();
   for (const CollisionShape& shape : model.shapes) {
     json["shapes"].push_back({{"name", shape.name},
-                              {"link", model.links[static_cast<std::size_t>(shape.link)].name},
+                              {"link", model.link(shape.link).name},
                               {"shape", std::string(to_string(shape.shape.kind))},
                               {"size", {shape.shape.size.x(), shape.shape.size.y(), shape.shape.size.z()}}});
   }
-  json["self_pairs"] = ordered_json::array();
+  json["self_pairs"] = Json::array();
   for (const SelfPair& pair : model.self_pairs) {
-    json["self_pairs"].push_back({model.shapes[static_cast<std::size_t>(pair.first)].name,
-                                  model.shapes[static_cast<std::size_t>(pair.second)].name});
+    json["self_pairs"].push_back({model.shape(pair.first).name, model.shape(pair.second).name});
   }
   json["warnings"] = warnings;
   json["notes"] = robot.notes;
@@ -359,7 +335,7 @@ int show_robot(const RobotOptions& options) {
     return kOk;
   }
   print_base(*robot.model);
-  write(std::cout, joint_table(*robot.model), Format::kTable);
+  write(std::cout, joint_table(*robot.model, true), Format::kTable);
   std::cout << '\n';
   write(std::cout, link_table(*robot.model), Format::kTable);
   if (!robot.model->sensors.empty()) {

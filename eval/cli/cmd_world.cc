@@ -4,6 +4,7 @@
 #include <iostream>
 #include <string>
 
+#include "controller/describe/enumeration.h"
 #include "eval/cli/command.h"
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
@@ -95,9 +96,8 @@ void add_world(Commands& commands) {
       ->required()
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 62));
   command.add_flag("--json", options.json, "As JSON, the format of frozen worlds");
-  std::string families;
-  for (const FamilyType& type : family_types()) families += (families.empty() ? "" : ", ") + std::string(type.name);
-  command.footer("Families of worlds: " + families + "\nExample: moma world configs/suites/demo.yaml 17 --json");
+  command.footer("Families of worlds: " + joined(family_types(), &FamilyType::name) +
+                 "\nExample: moma world configs/suites/demo.yaml 17 --json");
 }
 
 }  // namespace moma::cli

@@ -131,7 +131,7 @@ int parse_and_run(const Arguments& arguments) {
 CLI::App& find_command(const CLI::App& app, const std::string& name) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
-  if (std::find(names.begin(), names.end(), name) == names.end())
+  if (std::ranges::find(names, name) == names.end())
     throw UsageError(fmt::format("unknown command '{}'{}; the commands are {}", terminal_safe(name),
                                  config::suggestion(name, names), fmt::join(names, ", ")));
   return *app.get_subcommand(name);

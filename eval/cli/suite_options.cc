@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 
@@ -57,7 +56,7 @@ void add_allow_plugins(CLI::App& command, Plugins& plugins) {
       "Load the plugins that the store names: code that runs here, for stores that you trust");
 }
 
-void add_output_store(CLI::App& command, std::filesystem::path& file) {
+void add_output_store(CLI::App& command, fs::path& file) {
   command.add_option("-o,--output", file, "Store to write, made if missing (results/NAME.db)");
 }
 
@@ -67,7 +66,7 @@ void add_force(CLI::App& command, files::Replace& replace) {
       "Replace a file that is there, also one that moma did not write; never a store");
 }
 
-OutputFile::OutputFile(std::filesystem::path file, std::string kind, files::Replace replace)
+OutputFile::OutputFile(fs::path file, std::string kind, files::Replace replace)
     : file_(std::move(file)), kind_{std::move(kind), ""}, replace_(replace) {
   if (wanted()) files::check_replace(file_, kind_, replace_);
 }
@@ -100,9 +99,7 @@ void add_trial(CLI::App& command, std::string& trial) {
       ->required();
 }
 
-void print_json(const nlohmann::ordered_json& json) {
-  std::cout << json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
-}
+void print_json(const Json& json) { std::cout << json.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n'; }
 
 void print_warnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) std::cerr << "warning: " << terminal_safe(warning) << '\n';
@@ -110,7 +107,7 @@ void print_warnings(const std::vector<std::string>& warnings) {
 
 bool is_database(const std::string& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) return false;  // a FIFO would block
+  if (!fs::is_regular_file(file, error)) return false;  // a FIFO would block
   std::ifstream stream(file, std::ios::binary);
   char head[16] = {};
   stream.read(head, sizeof head);

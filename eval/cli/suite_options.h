@@ -1,8 +1,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -33,7 +31,7 @@ struct SuiteOptions {
 void add_allow_plugins(CLI::App& command, Plugins& plugins);
 
 /// Adds --output of a command that evaluates into a store.
-void add_output_store(CLI::App& command, std::filesystem::path& file);
+void add_output_store(CLI::App& command, fs::path& file);
 
 /// Adds --force, for what the command writes.
 void add_force(CLI::App& command, files::Replace& replace);
@@ -60,20 +58,20 @@ void add_trial(CLI::App& command, std::string& trial);
 class OutputFile {
  public:
   /// Throws files::OutputError if the file may not be written. `kind`: in words.
-  OutputFile(std::filesystem::path file, std::string kind, files::Replace replace);
+  OutputFile(fs::path file, std::string kind, files::Replace replace);
   /// False if no file was named.
   bool wanted() const { return !file_.empty(); }
   /// Writes the file if it is wanted. Throws files::OutputError.
   void write(const std::string& text) const;
 
  private:
-  std::filesystem::path file_;
+  fs::path file_;
   files::Kind kind_;
   files::Replace replace_;
 };
 
 /// Prints JSON in one line; texts that are no UTF-8 are mended.
-void print_json(const nlohmann::ordered_json& json);
+void print_json(const Json& json);
 
 /// Prints each warning to stderr.
 void print_warnings(const std::vector<std::string>& warnings);

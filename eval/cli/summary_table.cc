@@ -46,7 +46,7 @@ constexpr std::size_t kNames = 6;  // suite, robot, controller, point, family, m
 constexpr std::size_t kRobot = 1, kErrors = 7, kRates = 8;
 
 /// The suites' own metrics, as further columns of the rows.
-void add_own(const std::filesystem::path& file, QueryResult& table) {
+void add_own(const fs::path& file, QueryResult& table) {
   const std::vector<reports::OwnMetric> own = reports::own_metrics(file, {table.columns.begin(), table.columns.end()});
   if (own.empty()) return;
   std::map<Row, std::map<std::string, Cell>> means;
@@ -81,7 +81,7 @@ void keep_columns(QueryResult& table, const std::vector<std::size_t>& kept) {
 
 /// Formats an answer for a person, in which the suites' own metrics begin at column `own`.
 std::vector<std::size_t> columns_for_person(QueryResult& table, std::size_t own) {
-  const auto any = [&](const auto& holds) { return std::any_of(table.rows.begin(), table.rows.end(), holds); };
+  const auto any = [&](const auto& holds) { return std::ranges::any_of(table.rows, holds); };
   const bool errors = any([&](const Row& row) { return store::number_in(row[kErrors]).value_or(0.0) > 0.0; });
   std::vector<std::size_t> kept;
   for (std::size_t column = 0; column < kRates; ++column) {
@@ -103,7 +103,7 @@ std::vector<std::size_t> columns_for_person(QueryResult& table, std::size_t own)
 
 }  // namespace
 
-QueryResult summary_table(const std::filesystem::path& file, const std::string& suite, bool for_person) {
+QueryResult summary_table(const fs::path& file, const std::string& suite, bool for_person) {
   const std::string where = suite.empty() ? "" : fmt::format(" WHERE suite = {}", store::sql_literal(suite));
   // All at once, since a run may add to the store meanwhile.
   QueryResult table = store::query(

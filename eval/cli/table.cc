@@ -7,6 +7,7 @@
 #include <map>
 #include <ostream>
 
+#include "controller/config/json_node.h"
 #include "controller/model/text_check.h"
 
 namespace moma::cli {
@@ -50,7 +51,7 @@ bool is_number(const Cell& cell) {
 /// Columns that `text` (valid UTF-8) takes on a terminal, one per code point.
 std::size_t display_width(std::string_view text) {
   return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 struct Grid {
@@ -107,7 +108,7 @@ void write_markdown(std::ostream& out, const QueryResult& result) {
     for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) text.insert(i, 1, '\\');
   };
   for (std::string& text : grid.head) escape(text);
-  for (auto& row : grid.rows) std::for_each(row.begin(), row.end(), escape);
+  for (auto& row : grid.rows) std::ranges::for_each(row, escape);
   for (std::size_t c = 0; c < grid.head.size(); ++c) {
     grid.width[c] = std::max<std::size_t>(3, display_width(grid.head[c]));  // a rule has three dashes at least
     for (const auto& row : grid.rows) grid.width[c] = std::max(grid.width[c], display_width(row[c]));
@@ -184,17 +185,14 @@ void write_csv(std::ostream& out, const QueryResult& result) {
   }
 }
 
-nlohmann::ordered_json row_as_json(const QueryResult& result, const std::vector<Cell>& row) {
+Json row_as_json(const QueryResult& result, const std::vector<Cell>& row) {
   struct Visitor {
-    nlohmann::ordered_json operator()(std::monostate) const { return nullptr; }
-    nlohmann::ordered_json operator()(std::int64_t value) const { return value; }
-    nlohmann::ordered_json operator()(double value) const {
-      if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-      return value;
-    }
-    nlohmann::ordered_json operator()(const std::string& value) const { return value; }
+    Json operator()(std::monostate) const { return nullptr; }
+    Json operator()(std::int64_t value) const { return value; }
+    Json operator()(double value) const { return config::number_or_word(value); }
+    Json operator()(const std::string& value) const { return value; }
   };
-  nlohmann::ordered_json object = nlohmann::ordered_json::object();
+  Json object = Json::object();
   for (std::size_t c = 0; c < row.size(); ++c) object[result.columns[c]] = std::visit(Visitor{}, row[c]);
   return object;
 }
@@ -204,7 +202,7 @@ void write_json(std::ostream& out, const QueryResult& result) {
   out << '[';
   const char* separator = "\n ";
   for (const std::vector<Cell>& row : result.rows) {
-    out << separator << row_as_json(result, row).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    out << separator << row_as_json(result, row).dump(-1, ' ', false, Json::error_handler_t::replace);
     separator = ",\n ";
   }
   out << (result.rows.empty() ? "]\n" : "\n]\n");
@@ -219,8 +217,8 @@ void drop_columns(QueryResult& result, std::ptrdiff_t first, std::ptrdiff_t last
 
 double rounded(double value, double unit) { return std::round(value / unit) * unit; }
 
-nlohmann::ordered_json rows_as_json(const QueryResult& result) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Json rows_as_json(const QueryResult& result) {
+  Json list = Json::array();
   for (const std::vector<Cell>& row : result.rows) list.push_back(row_as_json(result, row));
   return list;
 }
@@ -259,23 +257,14 @@ std::string terminal_safe_lines(std::string_view text) {
 }
 
 void write(std::ostream& out, const QueryResult& result, Format format) {
-  switch (format) {
-    case Format::kTable:
-      write_table(out, result);
-      break;
-    case Format::kCsv:
-      write_csv(out, result);
-      break;
-    case Format::kJson:
-      write_json(out, result);
-      break;
-    case Format::kMarkdown:
-      write_markdown(out, result);
-      break;
-    case Format::kLatex:
-      write_latex(out, result);
-      break;
-  }
+  constexpr std::pair<Format, void (*)(std::ostream&, const QueryResult&)> kWriters[] = {
+      {Format::kTable, &write_table},
+      {Format::kCsv, &write_csv},
+      {Format::kJson, &write_json},
+      {Format::kMarkdown, &write_markdown},
+      {Format::kLatex, &write_latex}};
+  for (const auto& [of, writer] : kWriters)
+    if (of == format) writer(out, result);
 }
 
 std::string shape_text(const Shape& shape) {
@@ -296,9 +285,7 @@ std::string shape_text(const Shape& shape) {
 }
 
 std::string vector_text(const Eigen::Ref<const VectorX>& v) {
-  std::string text = "(";
-  for (Eigen::Index i = 0; i < v.size(); ++i) text += fmt::format("{}{:.4f}", i > 0 ? ", " : "", v[i]);
-  return text + ")";
+  return fmt::format("({:.4f})", fmt::join(v.data(), v.data() + v.size(), ", "));
 }
 
 }  // namespace moma::cli

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <iosfwd>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
+#include "controller/config/json.h"
 #include "controller/model/shape.h"
 #include "controller/types.h"
 #include "eval/store/query.h"
@@ -26,7 +26,7 @@ void drop_columns(store::QueryResult& result, std::ptrdiff_t first, std::ptrdiff
 double rounded(double value, double unit);
 
 /// The rows as a JSON list of objects.
-nlohmann::ordered_json rows_as_json(const store::QueryResult& result);
+Json rows_as_json(const store::QueryResult& result);
 
 /// Control characters, invalid UTF-8 and text direction marks become visible escapes: nothing that was stored can act
 /// on the terminal.

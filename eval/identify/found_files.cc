@@ -13,8 +13,6 @@
 namespace moma::identify {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // Rounds to three digits, the accuracy of the estimates.
 double rounded(double value) {
   if (!(std::abs(value) > 1e-6)) return 0.0;

@@ -8,7 +8,9 @@
 #include <numbers>
 
 #include "controller/config/node.h"
+#include "controller/describe/enumeration.h"
 #include "eval/identify/response.h"
+#include "eval/stats/intervals.h"
 
 namespace moma::identify {
 namespace {
@@ -153,8 +155,8 @@ void read_stamps(const std::vector<double>& time, const std::vector<double>& sta
   const auto from = static_cast<std::ptrdiff_t>(std::min(ages.size() / 10, std::size_t{200}));
   ages.erase(ages.begin(), ages.begin() + from);
   latency.has_stamps = true;
-  latency.sensing = std::max(0.0, median(ages));
-  latency.jitter = *std::max_element(ages.begin(), ages.end()) - *std::min_element(ages.begin(), ages.end());
+  latency.sensing = std::max(0.0, stats::median(ages));
+  latency.jitter = *std::ranges::max_element(ages) - *std::ranges::min_element(ages);
   latency.drive = std::max(0.0, latency.round_trip - latency.sensing);
 }
 
@@ -353,7 +355,7 @@ void identify_objects(const MotionLog& log, Found& found) {
   }
   out.position_noise = std::sqrt(squares / (3.0 * static_cast<double>(log.objects.size())));
   if (!ages.empty())
-    out.sensing = std::max(0.0, median(ages));
+    out.sensing = std::max(0.0, stats::median(ages));
   else
     found.notes.push_back("the age of object measurements cannot be found without object.NAME.stamp_s");
 }
@@ -369,9 +371,7 @@ Found identify(const MotionLog& log) {
   identify_joints(log, found);
   identify_objects(log, found);
   if (!found.base && !found.joints) {
-    std::string why;
-    for (const std::string& note : found.notes) why += (why.empty() ? "" : "; ") + note;
-    config::fail({log.source, 0, 0}, "", "not identifiable: " + why);
+    config::fail({log.source, 0, 0}, "", "not identifiable: " + joined(found.notes, {}, "; "));
   }
   return found;
 }

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <iosfwd>
-#include <optional>
 #include <string>
 #include <vector>
+
+#include "controller/config/paths.h"
 
 namespace moma::identify {
 
@@ -50,7 +50,7 @@ void check_times(const MotionLog& log);
 /// Reads a log from CSV: a head with the names of columns, then one row a control period (identify.md). Throws
 /// config::ConfigError naming file, line and column: unreadable, unknown, repeated or missing columns, rows of another
 /// length, anything that is not a finite number, and what check_times() refuses.
-MotionLog read_log(const std::filesystem::path& file);
+MotionLog read_log(const fs::path& file);
 /// The same from text; `name` stands for the file in messages.
 MotionLog parse_log(const std::string& text, const std::string& name);
 

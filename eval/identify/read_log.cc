@@ -168,7 +168,7 @@ MotionLog parse_log(const std::string& text, const std::string& name) {
   return log;
 }
 
-MotionLog read_log(const std::filesystem::path& file) {
+MotionLog read_log(const fs::path& file) {
   std::string text;
   try {
     text = config::read_text_file(file);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "eval/stats/intervals.h"
+
 namespace moma::identify {
 namespace {
 
@@ -11,17 +13,9 @@ constexpr double kNormal = 1.4826;  // 1/Phi^-1(3/4)
 
 }  // namespace
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
 double robust_deviation(std::vector<double>& values) {
   for (double& value : values) value = std::abs(value);
-  return kNormal * median(values);
+  return values.empty() ? 0.0 : kNormal * stats::median(values);
 }
 
 double noise_of(const std::vector<double>& off) {

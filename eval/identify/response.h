@@ -1,8 +1,5 @@
 #pragma once
 
-#include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "eval/identify/motion_log.h"
@@ -20,8 +17,6 @@ double noise_of_even_motion(const std::vector<double>& values);
 
 /// Returns 1.4826 times the median of |values|: the standard deviation of normal values about 0. Reorders them.
 double robust_deviation(std::vector<double>& values);
-
-double median(std::vector<double> values);
 
 /// Axes of one drive: vx and vy of an omnidirectional base, whose ramp bounds the length of their vector; otherwise a
 /// single axis.

@@ -9,7 +9,7 @@ constexpr std::size_t kMostForPairs = 12;
 
 Things with(Things base, const Things& more) {
   base.insert(base.end(), more.begin(), more.end());
-  std::sort(base.begin(), base.end());
+  std::ranges::sort(base);
   return base;
 }
 

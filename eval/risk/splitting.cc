@@ -6,7 +6,6 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -96,7 +95,7 @@ class Splitter {
     const std::size_t n = options_.particles;
     std::vector<double> sorted(scores_.begin() + static_cast<std::ptrdiff_t>(run.first),
                                scores_.begin() + static_cast<std::ptrdiff_t>(run.first + n));
-    std::sort(sorted.begin(), sorted.end());
+    std::ranges::sort(sorted);
     const double level = sorted[n / 2 - 1];
     replicate.scores.push_back(std::move(sorted));
     if (level == kEvent) return end(run, replicate);
@@ -272,7 +271,7 @@ std::vector<Exceedance> exceedances(std::span<const Stratum> strata, std::size_t
     std::vector<double> joined(strata.front().run->replicates.size(), 0.0);
     for (const auto& [weight, run] : strata) {
       for (std::size_t r = 0; r < joined.size(); ++r) joined[r] += weight * run->replicates[r].beyond(score);
-      const auto above = std::count_if(run->first.begin(), run->first.end(), [&](double s) { return s > score; });
+      const auto above = std::ranges::count_if(run->first, [&](double s) { return s > score; });
       crude += weight * static_cast<double>(above) / static_cast<double>(run->first.size());
     }
     const Estimate mean = mean_of(joined);

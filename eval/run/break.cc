@@ -8,7 +8,6 @@
 #include <tuple>
 
 #include "eval/run/evaluate.h"
-#include "eval/run/risk.h"
 #include "eval/suite/controller_entry.h"
 #include "world/draws.h"
 #include "world/world_json.h"
@@ -47,8 +46,8 @@ struct Breaker {
       if (!look(worlds[i], rows[i], "crude")) near.push_back(i);
     tell("crude trials");
     if (!any(suite.points[point].disturbances)) return;
-    std::stable_sort(near.begin(), near.end(),
-                     [&](std::size_t a, std::size_t b) { return event.score(rows[a]) > event.score(rows[b]); });
+    std::ranges::stable_sort(near,
+                             [&](std::size_t a, std::size_t b) { return event.score(rows[a]) > event.score(rows[b]); });
     near.resize(std::min(near.size(),
                          static_cast<std::size_t>(std::ceil(request.nearest * static_cast<double>(worlds.size())))));
     std::vector<MovedWorld> again;
@@ -84,11 +83,11 @@ struct Breaker {
 
 /// The suite in the found worlds, as NAME-found.
 Suite found_suite(const Suite& suite, const std::vector<Failure>& failures) {
-  nlohmann::ordered_json resolved = suite.resolved;
+  Json resolved = suite.resolved;
   resolved["name"] = suite.name + "-found";
   resolved["trials"] = failures.size();
   resolved["samples"] = "failures";
-  resolved["worlds"] = {{"frozen", nlohmann::ordered_json::array()}};
+  resolved["worlds"] = {{"frozen", Json::array()}};
   for (const Failure& failure : failures) resolved["worlds"]["frozen"].push_back(to_json(failure.world));
   if (resolved.contains("points"))
     for (auto& point : resolved["points"]) point.erase("worlds");
@@ -107,9 +106,8 @@ Broken break_suite(const BreakRequest& request, const Suite& suite, const RareEv
     out.trials = trials.counts().computed + trials.counts().reused;
   };
   out.end = with_moved_trials(request, suite, listener, work, out.stopped);
-  const bool one_robot = std::all_of(suite.points.begin(), suite.points.end(), [&](const SuitePoint& point) {
-    return point.robot == suite.points.front().robot;
-  });
+  const bool one_robot = std::ranges::all_of(
+      suite.points, [&](const SuitePoint& point) { return point.robot == suite.points.front().robot; });
   if (out.end != End::kFinished || out.failures.empty() || request.file.empty() || !one_robot) return out;
   EvaluateRequest held;
   static_cast<Request&>(held) = request;

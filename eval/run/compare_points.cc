@@ -23,8 +23,7 @@ struct Side {
   std::map<std::string, NamedPoint> points;
 };
 
-std::map<std::int64_t, Side> sides(const std::filesystem::path& store, const std::string& name,
-                                   const std::string& suite) {
+std::map<std::int64_t, Side> sides(const fs::path& store, const std::string& name, const std::string& suite) {
   std::map<std::int64_t, Side> all;
   std::vector<NamedPoint> points = points_of_controller(store, name, suite);
   const bool controller = !points.empty();
@@ -57,7 +56,7 @@ struct Trials {
   std::vector<stats::PairedValues> values;
 };
 
-void read(const std::filesystem::path& store, const std::pair<NamedPoint, NamedPoint>& points,
+void read(const fs::path& store, const std::pair<NamedPoint, NamedPoint>& points,
           const std::vector<ComparedMetric>& metrics, Trials& trials) {
   std::string columns = "ta.outcome, tb.outcome";
   for (const ComparedMetric& metric : metrics) columns += fmt::format(", {}, {}", metric.a, metric.b);
@@ -82,7 +81,7 @@ void read(const std::filesystem::path& store, const std::pair<NamedPoint, NamedP
 
 }  // namespace
 
-ComparedPoints compare_points(const std::filesystem::path& store, const std::string& a, const std::string& b,
+ComparedPoints compare_points(const fs::path& store, const std::string& a, const std::string& b,
                               const std::string& suite, const std::vector<ComparedMetric>& metrics) {
   const std::map<std::int64_t, Side> all_a = sides(store, a, suite), all_b = sides(store, b, suite);
   std::vector<std::vector<std::pair<NamedPoint, NamedPoint>>> both;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,7 +27,7 @@ struct ComparedPoints {
 /// no point alone stands for all its points, each paired with the other side's point under the same conditions. Throws
 /// StoreError{kNotFound} if there is no such point; no suite or several suites with both; several points of a
 /// controller under the same conditions, so that the name is ambiguous; or no common world.
-ComparedPoints compare_points(const std::filesystem::path& store, const std::string& a, const std::string& b,
+ComparedPoints compare_points(const fs::path& store, const std::string& a, const std::string& b,
                               const std::string& suite, const std::vector<ComparedMetric>& metrics);
 
 }  // namespace moma::run

@@ -15,13 +15,10 @@
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 #include "eval/suite/controller_entry.h"
-#include "eval/suite/suite.h"
 #include "eval/trial/trial.h"
 
 namespace moma::run {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Adds the time until the end of the block to the store's part.
 class StoreTime {
@@ -168,7 +165,7 @@ class Run {
 
   static std::size_t count_present(const std::vector<BatchJob>& jobs, const std::unordered_set<std::string>& present) {
     return static_cast<std::size_t>(
-        std::count_if(jobs.begin(), jobs.end(), [&](const BatchJob& job) { return present.count(job.key) > 0; }));
+        std::ranges::count_if(jobs, [&](const BatchJob& job) { return present.count(job.key) > 0; }));
   }
 
   std::string computers() const {

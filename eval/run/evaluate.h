@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,7 +25,7 @@ struct EvaluateRequest : Request {
 
 struct Evaluation {
   End end = End::kFinished;
-  std::filesystem::path file;
+  fs::path file;
   std::string suite;                  ///< the suite's name in the store's views
   std::string stopped;                ///< if not finished: the saved work and the command to go on, or the error
   std::vector<std::string> warnings;  ///< contradictions between rows and physics

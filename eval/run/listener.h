@@ -1,12 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <filesystem>
 #include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "controller/config/paths.h"
 #include "eval/batch/cluster.h"
 
 namespace moma::run {
@@ -19,7 +19,7 @@ class RunError : public std::runtime_error {
 
 /// Members of every request.
 struct Request {
-  std::filesystem::path file;               ///< store; where one is written, it is created if missing
+  fs::path file;                            ///< store; where one is written, it is created if missing
   std::vector<std::string> arguments;       ///< the command line, for provenance and "to go on"
   int threads = 0;                          ///< 0: usual_threads()
   const std::atomic<bool>* stop = nullptr;  ///< if set, trials in flight finish and are saved

@@ -18,7 +18,7 @@ namespace {
 /// The record of a moved world without content: moved worlds are too many to store, and can be drawn again.
 store::WorldRecord without_content(const Worlds& worlds, std::uint64_t index, const Moves& moves) {
   store::WorldRecord record = store::describe_missing(worlds, index);
-  auto json = nlohmann::ordered_json::parse(record.json);
+  auto json = Json::parse(record.json);
   json["moves"] = to_json(moves);
   record.json = json.dump();
   return record;
@@ -75,14 +75,14 @@ std::vector<TrialRow> MovedTrials::rows(std::size_t point, std::span<const Moved
   return rows;
 }
 
-void MovedTrials::keep(const nlohmann::ordered_json& estimates) {
+void MovedTrials::keep(const Json& estimates) {
   if (writer_ != nullptr) writer_->keep_risk(estimates.dump());
 }
 
 End with_moved_trials(const Request& request, const Suite& suite, const Listener& listener,
                       const std::function<void(MovedTrials&)>& work, std::string& stopped) {
   if (request.cluster != nullptr) {
-    nlohmann::ordered_json alone = suite.resolved;  // without what of a trial is not kept here
+    Json alone = suite.resolved;  // without what of a trial is not kept here
     alone["samples"] = "none";
     alone.erase("metrics");
     request.cluster->lead(alone.dump(), store::this_machine().machine_class, listener.notice);

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -42,7 +41,7 @@ class MovedTrials {
   std::vector<TrialRow> rows(std::size_t point, std::span<const MovedWorld> worlds, bool progress = false);
 
   /// Stores the estimates of a risk command with its invocation, for the page; does nothing without a store.
-  void keep(const nlohmann::ordered_json& estimates);
+  void keep(const Json& estimates);
 
   const TrialCounts& counts() const { return counts_; }
 

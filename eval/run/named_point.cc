@@ -47,18 +47,18 @@ NamedPoint point_of(const std::vector<store::Cell>& row) {
           ""};
 }
 
-std::vector<NamedPoint> read_points(const std::filesystem::path& file, const std::string& suite) {
+std::vector<NamedPoint> read_points(const fs::path& file, const std::string& suite) {
   std::vector<NamedPoint> all;
   for (const auto& row : store::query(file, fmt::format("{}{} ORDER BY s.id, p.id", kPoints, of_suite(suite))).rows)
     all.push_back(point_of(row));
   return all;
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& name, const std::string& suite) {
+[[noreturn]] void refuse(const fs::path& file, const std::string& name, const std::string& suite) {
   constexpr std::size_t kMost = 20;
   std::vector<std::string> names;
   for (const NamedPoint& point : read_points(file, suite))
-    if (std::find(names.begin(), names.end(), point.name()) == names.end()) names.push_back(point.name());
+    if (std::ranges::find(names, point.name()) == names.end()) names.push_back(point.name());
   const std::size_t more = names.size() > kMost ? names.size() - kMost : 0;
   names.resize(names.size() - more);
   throw store::not_found(
@@ -68,8 +68,7 @@ std::vector<NamedPoint> read_points(const std::filesystem::path& file, const std
 }
 
 /// The best point of each suite by kBestCriterion, the first of equal ones.
-std::vector<NamedPoint> best_points(const std::filesystem::path& file, const std::string& name,
-                                    const std::string& suite) {
+std::vector<NamedPoint> best_points(const fs::path& file, const std::string& name, const std::string& suite) {
   std::string controller = name.substr(0, name.size() - kBest.size());
   if (controller.ends_with(':')) controller.pop_back();
   // Quotients of whole numbers that are equal are equal as doubles, too.
@@ -99,15 +98,14 @@ std::vector<NamedPoint> best_points(const std::filesystem::path& file, const std
 std::string_view world_in(std::string_view name) {
   const std::size_t slash = name.rfind('/');
   const std::string_view digits = slash == std::string_view::npos ? std::string_view() : name.substr(slash + 1);
-  const bool number = digits.size() < 19 &&
-                      std::all_of(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  const bool number =
+      digits.size() < 19 && std::ranges::all_of(digits, [](unsigned char c) { return std::isdigit(c) != 0; });
   return number ? digits : std::string_view();
 }
 
 }  // namespace
 
-std::vector<NamedPoint> named_points(const std::filesystem::path& file, const std::string& name,
-                                     const std::string& suite) {
+std::vector<NamedPoint> named_points(const fs::path& file, const std::string& name, const std::string& suite) {
   if (name.ends_with(kBest)) return best_points(file, name, suite);
   std::vector<NamedPoint> points = read_points(file, suite);
   std::erase_if(points, [&](const NamedPoint& point) { return point.name() != name; });
@@ -115,15 +113,15 @@ std::vector<NamedPoint> named_points(const std::filesystem::path& file, const st
   return points;
 }
 
-std::vector<NamedPoint> points_of_controller(const std::filesystem::path& file, const std::string& controller,
+std::vector<NamedPoint> points_of_controller(const fs::path& file, const std::string& controller,
                                              const std::string& suite) {
   std::vector<NamedPoint> points = read_points(file, suite);
   std::erase_if(points, [&](const NamedPoint& point) { return point.controller != controller; });
-  const bool swept = std::none_of(points.begin(), points.end(), [](const NamedPoint& p) { return p.label.empty(); });
+  const bool swept = std::ranges::none_of(points, [](const NamedPoint& p) { return p.label.empty(); });
   return swept ? points : std::vector<NamedPoint>{};
 }
 
-NamedPoint named_point(const std::filesystem::path& file, const std::string& name, const std::string& suite) {
+NamedPoint named_point(const fs::path& file, const std::string& name, const std::string& suite) {
   std::vector<NamedPoint> points = named_points(file, name, suite);
   if (points.size() == 1) return std::move(points.front());
   std::vector<std::string> suites;
@@ -132,12 +130,12 @@ NamedPoint named_point(const std::filesystem::path& file, const std::string& nam
       file, fmt::format("several suites have a point '{}': choose one by --suite: {}", name, fmt::join(suites, ", ")));
 }
 
-std::string named_trial(const std::filesystem::path& file, const std::string& name) {
+std::string named_trial(const fs::path& file, const std::string& name) {
   const std::string_view world = world_in(name);
   const std::string of = world.empty() ? name : name.substr(0, name.size() - world.size() - 1);
   if (world.empty() && !of.ends_with(kBest)) {
     const std::vector<NamedPoint> all = read_points(file, "");
-    if (std::none_of(all.begin(), all.end(), [&](const NamedPoint& point) { return point.name() == of; })) return name;
+    if (std::ranges::none_of(all, [&](const NamedPoint& point) { return point.name() == of; })) return name;
   }
   const NamedPoint point = named_point(file, of);
   const store::QueryResult found = store::query(

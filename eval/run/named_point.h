@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "controller/config/paths.h"
 
 namespace moma::run {
 
@@ -30,19 +31,18 @@ inline constexpr const char* kBestCriterion =
 /// "mine@2"), a point of its sweep ("mine:lambda_q=0.02"), "@best" (the best point of each suite by kBestCriterion over
 /// all its worlds), or "mine@best" (the best of one controller). `suite` restricts the search to one suite, unless "".
 /// Throws StoreError for the file, and StoreError{kNotFound} with a list of names if there is none.
-std::vector<NamedPoint> named_points(const std::filesystem::path& store, const std::string& name,
-                                     const std::string& suite = "");
+std::vector<NamedPoint> named_points(const fs::path& store, const std::string& name, const std::string& suite = "");
 
 /// Returns all points of a controller, in the order of their suites. Empty if the controller's name alone is a point's,
 /// or if there is no such controller. Throws StoreError for the file.
-std::vector<NamedPoint> points_of_controller(const std::filesystem::path& store, const std::string& controller,
+std::vector<NamedPoint> points_of_controller(const fs::path& store, const std::string& controller,
                                              const std::string& suite = "");
 
 /// Returns the one point of that name. Throws StoreError{kNotFound}, naming the suites, if several have it.
-NamedPoint named_point(const std::filesystem::path& store, const std::string& name, const std::string& suite = "");
+NamedPoint named_point(const fs::path& store, const std::string& name, const std::string& suite = "");
 
 /// Resolves a trial's name: POINT/WORLD is the point's trial in the world of this index; POINT alone is its worst trial
 /// (as @worst: not successful and farthest from the goal, else the slowest). Other names come back unchanged.
-std::string named_trial(const std::filesystem::path& store, const std::string& name);
+std::string named_trial(const fs::path& store, const std::string& name);
 
 }  // namespace moma::run

@@ -13,7 +13,6 @@
 namespace moma::run {
 namespace {
 
-namespace fs = std::filesystem;
 using config::MapReader;
 using config::Node;
 
@@ -102,8 +101,8 @@ std::span<const Figure> figures() {
 }
 
 const PublishedRow* Experiment::find(const std::string& robot, const std::string& method) const {
-  const auto found = std::find_if(rows.begin(), rows.end(),
-                                  [&](const auto& row) { return row.robot == robot && row.method == method; });
+  const auto found =
+      std::ranges::find_if(rows, [&](const auto& row) { return row.robot == robot && row.method == method; });
   return found != rows.end() ? &*found : nullptr;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <map>
 #include <span>
 #include <string>
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "controller/config/paths.h"
 #include "controller/describe/enumeration.h"
 
 namespace moma::run {
@@ -55,7 +55,7 @@ struct PublishedRow {
 ///     rows: [{robot: panda, method: rrmc, problems: 1000, failure_rate: 12.4}]
 struct Experiment {
   std::string name;
-  std::filesystem::path suite;
+  fs::path suite;
   std::string source;
   Averaging averaging = Averaging::kArrived;
   std::vector<const Figure*> figures;
@@ -66,10 +66,10 @@ struct Experiment {
 };
 
 /// Reads the experiment of that name. Throws config::ConfigError for the file, or if it has no such name.
-Experiment read_experiment(const std::filesystem::path& file, const std::string& name);
+Experiment read_experiment(const fs::path& file, const std::string& name);
 
 /// Finds configs/published.yaml in the working folder or above it, beside or above the program, or in the installation.
 /// Throws RunError with the searched folders.
-std::filesystem::path find_published();
+fs::path find_published();
 
 }  // namespace moma::run

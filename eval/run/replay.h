@@ -1,15 +1,16 @@
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "controller/case/case_file.h"
+#include "eval/identify/motion_log.h"
 #include "eval/store/reader.h"
 #include "eval/suite/controller_entry.h"
 #include "eval/suite/suite.h"
+#include "eval/trial/trial.h"
 #include "eval/trial/trial_detail.h"
 
 namespace moma::run {
@@ -32,7 +33,7 @@ World world_of(const store::StoredTrial& trial);
 
 /// Returns the stored suite of this name, with another number of worlds unless `trials` is empty (checked like a
 /// file's). Throws StoreError, config::ConfigError.
-Suite stored_suite(const std::filesystem::path& store, const std::string& name, const std::string& trials = "",
+Suite stored_suite(const fs::path& store, const std::string& name, const std::string& trials = "",
                    Plugins plugins = Plugins::kRefused);
 
 /// A stored trial, simulated again from the store alone.
@@ -45,8 +46,7 @@ struct Replay {
 
 /// `name`: of the trial, or any unique beginning of it. Throws StoreError where there is no such trial or it cannot be
 /// simulated again. `rows`, where they are asked for: of the QP (rows_of_trial.h).
-Replay replay(const std::filesystem::path& store, const std::string& name, StoredSuites& suites,
-              TrialRows* rows = nullptr);
+Replay replay(const fs::path& store, const std::string& name, StoredSuites& suites, TrialRows* rows = nullptr);
 
 /// Differences between a replay and the stored row.
 struct ReplayDifferences {
@@ -58,7 +58,7 @@ ReplayDifferences differences(const TrialRow& stored, const std::string& machine
 
 /// Control step `step` of a stored trial as a case, from the store alone. `trial`: its name or a unique beginning.
 /// Throws RunError where the trial ends before or its controller is a plugin, and what StoredSuites does.
-ControlCase stored_case(StoredSuites& suites, const std::filesystem::path& store, const std::string& trial, long step);
+ControlCase stored_case(StoredSuites& suites, const fs::path& store, const std::string& trial, long step);
 
 /// A collision of a stored trial, with the robot's motion before it.
 struct CollisionCase {
@@ -75,5 +75,11 @@ struct CollisionCase {
 /// and the collision. Empty if the object is not one of the world's, or if no detection was needed. Throws if worlds or
 /// disturbances cannot be read.
 std::optional<double> known_before_contact(const CollisionCase& collision);
+
+/// Simulates the trial again and returns the commands and measurements of its controller as a robot would log them.
+/// Stamps have the measurement times according to the trial's delays; quantities with varying delays have no stamps.
+/// Objects: those at rest that are seen at every step. `parts`: as for run_trial(). Throws std::runtime_error if the
+/// trial ends by an error.
+identify::MotionLog log_of_trial(const TrialSpec& spec, const World& world, const TrialParts& parts = {});
 
 }  // namespace moma::run

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <set>
 
 #include "eval/store/hash.h"
@@ -29,7 +28,7 @@ struct PointTrials {
   std::map<std::int64_t, StoredTrial> trials;
 };
 
-PointTrials trials_of(const std::filesystem::path& file, const std::string& suite_name, const store::PointRecord& point,
+PointTrials trials_of(const fs::path& file, const std::string& suite_name, const store::PointRecord& point,
                       std::uint64_t worlds, const Experiment& experiment) {
   std::string columns = "m.world_index, t.outcome = 'success', t.steps";
   for (const Figure* figure : experiment.figures) columns += fmt::format(", {}", figure->sql);
@@ -132,8 +131,8 @@ ReproducedRow row_of(const PointTrials& point, const Experiment& experiment) {
 
 }  // namespace
 
-Reproduction compare_with_published(const std::filesystem::path& store, const std::string& suite_name,
-                                    const Suite& suite, const Experiment& experiment) {
+Reproduction compare_with_published(const fs::path& store, const std::string& suite_name, const Suite& suite,
+                                    const Experiment& experiment) {
   const store::SuiteRecord record = store::describe(suite);
   std::vector<PointTrials> points;
   std::vector<std::string> robots;
@@ -141,7 +140,7 @@ Reproduction compare_with_published(const std::filesystem::path& store, const st
     points.push_back(trials_of(store, suite_name, point, suite.trials, experiment));
     const auto& params = suite.points[points.size() - 1].params;
     if (params.size() == 1 && params.contains("robot")) points.back().label.clear();  // the row names the robot
-    if (std::find(robots.begin(), robots.end(), point.robot_name) == robots.end()) robots.push_back(point.robot_name);
+    if (std::ranges::find(robots, point.robot_name) == robots.end()) robots.push_back(point.robot_name);
   }
   Reproduction out;
   std::set<const PublishedRow*> shown;

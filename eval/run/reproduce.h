@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -50,7 +49,7 @@ struct Reproduction {
 /// published figures. A rate agrees if Newcombe's 95 % interval of the difference of the two rates contains 0; a mean
 /// if it is nearer than 1.96 standard errors of the difference, where the published trials are assumed to scatter as
 /// ours. The experiment must outlive the result. Throws store::StoreError.
-Reproduction compare_with_published(const std::filesystem::path& store, const std::string& suite_name,
-                                    const Suite& suite, const Experiment& experiment);
+Reproduction compare_with_published(const fs::path& store, const std::string& suite_name, const Suite& suite,
+                                    const Experiment& experiment);
 
 }  // namespace moma::run

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "eval/risk/splitting.h"
+#include "controller/config/json.h"
 #include "eval/run/store_file.h"
 #include "eval/run/survey.h"
 #include "world/draws.h"
@@ -238,7 +238,7 @@ struct RiskRun {
     const std::size_t first = run.first.size();
     row.crude_trials = std::max<std::size_t>(first, request.crude.value_or(run.evaluations));
     listener.note(fmt::format("{}: {} crude trials", name(row), row.crude_trials));
-    auto hits = std::count(run.first.begin(), run.first.end(), risk::kEvent);
+    auto hits = std::ranges::count(run.first, risk::kEvent);
     for (const TrialRow& one : trials.rows(number, particles.unmoved(first, row.crude_trials), true))
       hits += event.happened(one) ? 1 : 0;
     const auto n = static_cast<std::int64_t>(row.crude_trials);
@@ -248,9 +248,9 @@ struct RiskRun {
 
   void warn_of_jumps(const risk::Splitting& run, const RiskRow& row, std::vector<std::string>& warnings) const {
     if (!event.collision()) return;
-    const auto contacts = std::count(run.first.begin(), run.first.end(), risk::kEvent);
-    const auto near = std::count_if(run.first.begin(), run.first.end(),
-                                    [](double score) { return score < risk::kEvent && score > -kNear; });
+    const auto contacts = std::ranges::count(run.first, risk::kEvent);
+    const auto near =
+        std::ranges::count_if(run.first, [](double score) { return score < risk::kEvent && score > -kNear; });
     if (contacts < kFewContacts || 10 * near >= contacts) return;
     warnings.push_back(
         fmt::format("{}: {} contacts and {} near misses (below {:g} mm) among the first draws: no level leads to "
@@ -290,9 +290,9 @@ struct RiskRun {
   }
 };
 
-nlohmann::ordered_json to_json(const RiskRow& row, const RareEvent& event) {
+Json to_json(const RiskRow& row, const RareEvent& event) {
   const risk::Estimate& e = row.estimate;
-  nlohmann::ordered_json way = nlohmann::ordered_json::array(), moves = nlohmann::ordered_json::object();
+  Json way = Json::array(), moves = Json::object();
   for (const risk::Exceedance& at : row.way)
     way.push_back({event.value_of(at.score), at.p, at.interval.low, at.interval.high, at.crude});
   for (const auto& [kind, count] : row.moves) moves[kind] = {count.accepted, count.proposed};
@@ -301,7 +301,7 @@ nlohmann::ordered_json to_json(const RiskRow& row, const RareEvent& event) {
           {"family", row.family},
           {"event", event.text()},
           {"level", event.level()},
-          {"at", event.at() ? nlohmann::ordered_json(*event.at()) : nlohmann::ordered_json()},
+          {"at", event.at() ? Json(*event.at()) : Json()},
           {"p", e.p},
           {"low", e.interval.low},
           {"high", e.interval.high},
@@ -355,7 +355,7 @@ Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEve
       [&](MovedTrials& trials) {
         RiskRun run{request, suite, event, listener, trials};
         for (std::size_t p = 0; p < suite.points.size(); ++p) run.point(p, risk);
-        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        Json rows = Json::array();
         for (const RiskRow& row : risk.rows) rows.push_back(to_json(row, event));
         trials.keep(rows);
         if (trials.counts().errors > 0)

@@ -21,8 +21,6 @@
 namespace moma::run {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct SmallerWorld {
   World world;
   Disturbances disturbances;
@@ -61,8 +59,8 @@ double rounded(double value, double step) { return std::round(value / step) / st
 bool at_rest(const World& world) {
   for (std::size_t i = 0; i <= world.further.size(); ++i)
     if (!std::holds_alternative<StaticMotion>(goal_of(world, i).motion)) return false;
-  return std::all_of(world.objects.begin(), world.objects.end(),
-                     [](const WorldObject& object) { return std::holds_alternative<StaticMotion>(object.motion); });
+  return std::ranges::all_of(
+      world.objects, [](const WorldObject& object) { return std::holds_alternative<StaticMotion>(object.motion); });
 }
 
 /// Calls move(position) of each goal at rest. False if there is none.
@@ -186,14 +184,13 @@ class Shrinker {
   }
 
   int failing(const std::vector<TrialRow>& rows, const SmallerWorld& candidate) const {
-    return static_cast<int>(
-        std::count_if(rows.begin(), rows.end(), [&](const TrialRow& row) { return same(row, candidate); }));
+    return static_cast<int>(std::ranges::count_if(rows, [&](const TrialRow& row) { return same(row, candidate); }));
   }
 
   void shrink_objects() {
     const World whole = now_.world;
-    const auto touched = std::find_if(whole.objects.begin(), whole.objects.end(),
-                                      [&](const WorldObject& object) { return object.name == trial_.object; });
+    const auto touched =
+        std::ranges::find_if(whole.objects, [&](const WorldObject& object) { return object.name == trial_.object; });
     std::optional<std::size_t> needed;
     if (touched != whole.objects.end()) needed = static_cast<std::size_t>(touched - whole.objects.begin());
     risk::shrink_set(whole.objects.size(), needed, [&](const std::vector<risk::Things>& sets) {
@@ -290,8 +287,7 @@ class Shrinker {
     ++out_.trials;
     simplify("starts {:g} s before", {1.0, 2.0, 4.0}, [&](SmallerWorld& candidate, double before) {
       const double from = output.row.time_end_s - before;
-      const auto sample =
-          std::find_if(output.trace.begin(), output.trace.end(), [&](const Sample& s) { return s.t >= from; });
+      const auto sample = std::ranges::find_if(output.trace, [&](const Sample& s) { return s.t >= from; });
       if (from <= 0.0 || sample == output.trace.end()) return false;
       start_from(candidate.world, {sample->base, sample->q}, point_.robot->model);
       // Excludes worlds that start in contact, or with a failure of a motion that starts there.

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "controller/config/json.h"
 #include "eval/run/listener.h"
 #include "eval/run/replay.h"
 #include "eval/trial/row.h"
@@ -20,9 +20,9 @@ struct ShrinkRequest : Request {
 /// The smallest world with the trial's failure.
 struct Shrunk {
   End end = End::kFinished;
-  World world;                          ///< fails with its own noise; objects keep the numbers of their noise
-  nlohmann::ordered_json disturbances;  ///< remaining disturbances, as in a suite; {}: none
-  TrialRow row;                         ///< row of the trial in the smallest world
+  World world;        ///< fails with its own noise; objects keep the numbers of their noise
+  Json disturbances;  ///< remaining disturbances, as in a suite; {}: none
+  TrialRow row;       ///< row of the trial in the smallest world
   std::size_t objects_before = 0;
   int failing = 0, noises = 0;       ///< number of noises with a failure, and of all noises, including the world's own
   std::vector<std::string> on;       ///< remaining disturbances, "base.delay"

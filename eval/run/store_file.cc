@@ -10,16 +10,15 @@
 #include <thread>
 
 #include "controller/config/node.h"
+#include "controller/describe/enumeration.h"
 #include "eval/store/user_metrics.h"
 
 namespace moma::run {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Quotes one shell word.
 std::string shell_word(const std::string& word) {
-  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+  const bool plain = !word.empty() && std::ranges::all_of(word, [](unsigned char c) {
     return std::isalnum(c) != 0 || std::string_view("_-./=,:@%+").find(static_cast<char>(c)) != std::string_view::npos;
   });
   if (plain) return word;
@@ -38,14 +37,7 @@ fs::path usual_store(const std::string& suite, const std::string& part) {
   return fs::path("results") / (name + part + ".db");
 }
 
-std::string command_line(const std::vector<std::string>& arguments) {
-  std::string line;
-  for (const std::string& word : arguments) {
-    if (!line.empty()) line += ' ';
-    line += shell_word(word);
-  }
-  return line;
-}
+std::string command_line(const std::vector<std::string>& arguments) { return joined(arguments, &shell_word, " "); }
 
 std::string stopped_text(const std::string& what, const std::string& saved, const fs::path& file,
                          const std::vector<std::string>& arguments) {

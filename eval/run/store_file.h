@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -8,20 +7,19 @@
 
 #include "eval/batch/trial_rows.h"
 #include "eval/run/listener.h"
-#include "eval/store/records.h"
 #include "eval/store/writer.h"
 
 namespace moma::run {
 
 /// Returns the default store, results/NAME.db in the working directory, and creates the folder. `part` follows the
 /// name, e.g. ".shard-1-of-8".
-std::filesystem::path usual_store(const std::string& suite, const std::string& part = "");
+fs::path usual_store(const std::string& suite, const std::string& part = "");
 
 /// Returns arguments quoted for a shell.
 std::string command_line(const std::vector<std::string>& arguments);
 
 /// Returns "stopped WHAT: SAVED saved in FILE; to go on: COMMAND".
-std::string stopped_text(const std::string& what, const std::string& saved, const std::filesystem::path& file,
+std::string stopped_text(const std::string& what, const std::string& saved, const fs::path& file,
                          const std::vector<std::string>& arguments);
 
 /// Describes a run without an end that no process works on: it was killed or, if no lock is beside the store, the file

@@ -20,9 +20,8 @@ constexpr double kFar = 0.5;  // larger gaps do not matter [m]
 std::string pair_text(const World& world, const RobotModel& model, const ProximityPair& pair) {
   const std::string second = pair.kind == PairKind::kObject  ? world.objects[static_cast<std::size_t>(pair.second)].name
                              : pair.kind == PairKind::kFloor ? "the floor"
-                                                             : model.shapes[static_cast<std::size_t>(pair.second)].name;
-  return fmt::format("world {}, {} and {}", world.index, model.shapes[static_cast<std::size_t>(pair.first)].name,
-                     second);
+                                                             : model.shape(pair.second).name;
+  return fmt::format("world {}, {} and {}", world.index, model.shape(pair.first).name, second);
 }
 
 /// The goals whose gaps are in [low, high).

@@ -12,14 +12,11 @@
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 #include "eval/trial/trial.h"
-#include "eval/tune/stored_search.h"
 #include "eval/tune/tuned_file.h"
-#include "files/output_file.h"
+#include "eval/tune/tuning.h"
 
 namespace moma::run {
 namespace {
-
-namespace fs = std::filesystem;
 
 const files::Kind kGains{"file of gains by moma tune", "found by moma tune."};
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -15,7 +14,7 @@ namespace moma::run {
 
 /// `file`: usual_store() if empty.
 struct TuneRequest : Request {
-  std::filesystem::path gains;                    ///< file for the gains found; if empty, the suite's
+  fs::path gains;                                 ///< file for the gains found; if empty, the suite's
                                                   ///< `output`, else configs/controllers/NAME-tuned.yaml
   bool verdict = true;                            ///< judge the gains found on the held-out worlds
   files::Replace replace = files::Replace::kOwn;  ///< files that the gains may replace
@@ -35,7 +34,7 @@ struct Tuned {
   std::string stopped;                          ///< if not finished: the saved work and the command to go on
   std::optional<tune::SearchResult> search;     ///< empty if stopped before its end
   std::optional<tune::HeldOutVerdict> verdict;  ///< empty if not requested, or stopped before its end
-  std::filesystem::path gains;  ///< file written; empty if stopped, or without improvement over the start
+  fs::path gains;  ///< file written; empty if stopped, or without improvement over the start
 };
 
 /// Searches the gains of a suite's controller into a store, continues from its contents, judges the gains on worlds

@@ -5,18 +5,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
 #include <memory>
-#include <set>
-#include <vector>
 
 #include "eval/batch/batch.h"
 #include "eval/run/named_point.h"
 #include "eval/run/store_file.h"
-#include "eval/run/verify_searches.h"
 #include "eval/store/columns.h"
 #include "eval/store/hash.h"
-#include "eval/store/reader.h"
 #include "eval/store/records.h"
 #include "eval/store/run_lock.h"
 #include "eval/store/samples.h"
@@ -37,7 +32,7 @@ std::vector<std::string> choose(const std::vector<std::string>& keys, double fra
     if (chosen.size() == wanted) break;
     chosen.push_back(key);
   }
-  std::sort(chosen.begin(), chosen.end());
+  std::ranges::sort(chosen);
   return chosen;
 }
 
@@ -52,7 +47,7 @@ std::vector<std::string> differing_columns(const store::EncodedSamples& stored, 
   const store::SampleTable now = store::decode_table(store::encode_samples(replayed));
   std::vector<std::string> differ;
   for (std::size_t c = 0; c < then.names.size(); ++c) {
-    const auto found = std::find(now.names.begin(), now.names.end(), then.names[c]);
+    const auto found = std::ranges::find(now.names, then.names[c]);
     if (found == now.names.end()) continue;
     const std::vector<double>& other = now.columns[static_cast<std::size_t>(found - now.names.begin())];
     const std::vector<double>& own = then.columns[c];

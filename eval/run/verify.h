@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "eval/run/listener.h"
 #include "eval/run/replay.h"
 #include "eval/store/contents.h"
+#include "eval/store/reader.h"
 
 namespace moma::run {
 
@@ -29,7 +31,7 @@ struct Verification {
   std::size_t points = 0;                ///< built again and compared with their rows
   std::vector<std::string> not_checked;  ///< parts without a check, in words
   std::vector<std::string> in_doubt;     ///< checks that were not possible: the store is then not sound
-  std::size_t searches = 0;              ///< run again over their stored trials (eval/run/verify_searches.h)
+  std::size_t searches = 0;              ///< run again over their stored trials (verify_searches())
   std::size_t verdicts = 0;              ///< searches whose verdict was computed again
   /// Trials without a column's value that come out with one.
   std::map<std::string_view, std::size_t> missing;
@@ -42,8 +44,14 @@ struct Verification {
 
 /// Looks for damage, compares everything that the store says twice (eval/store/contents.h), builds the points and keys
 /// of all trials again, and replays a fraction of them: rows, metrics and samples must come out bit for bit. Searches
-/// are run again over their trials. Throws
-/// store::StoreError.
+/// are run again over their trials. Throws store::StoreError.
 Verification verify(const VerifyRequest& request, const Listener& listener = {});
+
+/// The part of verify() about searches (moma tune): repeats every one of the store. The candidates must be the same,
+/// their costs must follow from the stored trials, of which the chosen ones are simulated again, and so must the
+/// verdict from the stored trials of the held-out worlds. Every row of the tables tune_* must be reproduced. Adds to
+/// `found`; `finding` gets a sentence for each disagreement. Throws store::StoreError.
+void verify_searches(const store::Reader& reader, const VerifyRequest& request, const std::set<std::string>& chosen,
+                     const Listener::Text& finding, Verification& found);
 
 }  // namespace moma::run

@@ -1,16 +1,13 @@
-#include "eval/run/verify_searches.h"
+#include "eval/run/verify.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
 #include "controller/config/json_node.h"
-#include "eval/run/replay.h"
 #include "eval/store/columns.h"
 #include "eval/store/search_tables.h"
 #include "eval/store/table.h"
@@ -18,7 +15,6 @@
 #include "eval/suite/suite.h"
 #include "eval/trial/key.h"
 #include "eval/tune/held_out.h"
-#include "eval/tune/stored_search.h"
 #include "eval/tune/trial_objective.h"
 #include "eval/tune/tuning.h"
 #include "world/world_json.h"
@@ -26,8 +22,7 @@
 namespace moma::run {
 namespace {
 
-using nlohmann::ordered_json;
-using Robots = std::map<std::string, ordered_json>;  // resolved ones by their digests
+using Robots = std::map<std::string, Json>;  // resolved ones by their digests
 
 /// Exception at the end of the stored evaluations.
 struct Ended {};
@@ -155,8 +150,8 @@ class Search {
     const auto parsed = [](const std::string& text, const char* column) { return config::parse_json(text, column); };
     try {
       return tune::stored_tuning(parsed(kept.identity, "tune_search.identity"),
-                                 kept.held_out ? parsed(*kept.held_out, "tune_search.held_out") : ordered_json(),
-                                 robots, check_.request.plugins);
+                                 kept.held_out ? parsed(*kept.held_out, "tune_search.held_out") : Json(), robots,
+                                 check_.request.plugins);
     } catch (const tune::NotStored& why) {
       doubt(fmt::format("cannot be run again: {}", why.what()));
     } catch (const PluginRefused&) {
@@ -246,7 +241,7 @@ Robots robots_of(const store::Reader& reader) {
   Robots robots;
   for (const std::string& text : reader.robots()) {
     try {
-      ordered_json robot = config::parse_json(text, "robot");
+      Json robot = config::parse_json(text, "robot");
       robots.emplace(canonical_digest(robot), std::move(robot));
     } catch (const std::runtime_error&) {  // told by check_contents()
     }
@@ -275,7 +270,7 @@ void verify_searches(const store::Reader& reader, const VerifyRequest& request, 
   found.chosen += trials.compared();
   found.replayed += trials.compared();
   const std::vector<std::string> keys = reader.searched_keys();
-  const auto left = std::count_if(keys.begin(), keys.end(), [&](const std::string& key) { return !trials.met(key); });
+  const auto left = std::ranges::count_if(keys, [&](const std::string& key) { return !trials.met(key); });
   if (left > 0)
     found.not_checked.push_back(
         fmt::format("{} trials that belong to no point, nor to a search that was run again", left));

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <memory>
 #include <numbers>
 
 #include "controller/config/robot_build.h"
@@ -31,9 +29,9 @@ std::vector<Vector3> outermost(const config::UrdfCollision& visual) {
     const std::vector<Vector3>& vertices = visual.surface.vertices;
     const auto before = [&](const Vector3& a, const Vector3& b) { return n.dot(a) < n.dot(b); };
     const Vector3 p_S = visual.mesh.empty() ? support_point(visual.shape, Isometry::Identity(), n)
-                                            : *std::max_element(vertices.begin(), vertices.end(), before);
+                                            : *std::ranges::max_element(vertices, before);
     const Vector3 p_L = visual.X_LS * p_S;
-    if (std::find(points.begin(), points.end(), p_L) == points.end()) points.push_back(p_L);
+    if (std::ranges::find(points, p_L) == points.end()) points.push_back(p_L);
   }
   return points;
 }
@@ -95,10 +93,10 @@ std::vector<std::string> wheel_warnings(const RobotModel& model) {
                   1e3 * most)};
 }
 
-std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file, const RobotModel& model) {
+std::vector<std::string> visual_warnings(const fs::path& robot_file, const RobotModel& model) {
   constexpr double kReach = 0.02;  // [m]
-  const bool arm = std::any_of(model.shapes.begin(), model.shapes.end(),
-                               [](const CollisionShape& shape) { return !shape.rigid_with_base; });
+  const bool arm =
+      std::ranges::any_of(model.shapes, [](const CollisionShape& shape) { return !shape.rigid_with_base; });
   if (!arm) return {};
   ShapesAtReady at_ready(model);
   const Solid point({ShapeKind::kSphere, Vector3(kPointRadius, 0.0, 0.0), nullptr});
@@ -125,7 +123,7 @@ std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file
   for (const auto& [link, most] : reach)
     if (most > kReach) worst.emplace_back(-most, link);
   if (worst.empty()) return {};
-  std::sort(worst.begin(), worst.end());
+  std::ranges::sort(worst);
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(worst.size(), 4); ++i) {
     const auto& [most, link] = worst[i];
@@ -139,7 +137,7 @@ std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file
 std::vector<std::string> holding_warnings(const std::shared_ptr<const RobotModel>& model) {
   std::vector<std::string> out;
   for (const JointLoad& load : joint_loads(model)) {
-    const ControlledJoint& joint = model->joints[static_cast<std::size_t>(load.joint)];
+    const ControlledJoint& joint = model->joint(load.joint);
     const char* unit = joint.type == JointType::kPrismatic ? "N" : "Nm";
     if (load.ready > load.limit) {
       out.push_back(
@@ -147,13 +145,12 @@ std::vector<std::string> holding_warnings(const std::shared_ptr<const RobotModel
                       "the arm falls",
                       joint.name, load.ready, unit, load.limit));
     } else if (load.largest > load.limit) {
-      std::string q;
-      for (const double value : load.q_largest) q += fmt::format("{}{:.2f}", q.empty() ? "" : ", ", value);
       out.push_back(
           fmt::format("joint {}: in {:.3g} % of the joints' ranges holding the arm takes more than its effort limit of "
-                      "{:.4g} {} (up to {:.4g}, at q = [{}]): with physics it sags there, unless "
+                      "{:.4g} {} (up to {:.4g}, at q = [{:.2f}]): with physics it sags there, unless "
                       "arm.limits.{}.effort has the share of springs that help it",
-                      joint.name, 100.0 * load.beyond, load.limit, unit, load.largest, q, joint.name));
+                      joint.name, 100.0 * load.beyond, load.limit, unit, load.largest, fmt::join(load.q_largest, ", "),
+                      joint.name));
     }
   }
   return out;

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "controller/config/paths.h"
 #include "controller/config/robot_file.h"
 #include "eval/trial/row.h"
 
@@ -22,7 +22,7 @@ std::vector<std::string> wheel_warnings(const RobotModel& model);
 /// than 2 cm at `ready`. Returns one sentence about the worst, from the outermost points of each visual in the robot
 /// file's URDF. Empty if the arm has no shapes at all, or if a visual mesh cannot be read. Reads all meshes, which
 /// takes some tenths of a second.
-std::vector<std::string> visual_warnings(const std::filesystem::path& robot_file, const RobotModel& model);
+std::vector<std::string> visual_warnings(const fs::path& robot_file, const RobotModel& model);
 
 /// Joints whose drive is too weak for the arm's own weight, at `ready` or somewhere in their range: a sentence for
 /// each. With physics such an arm sags or falls, whatever its controller.

@@ -27,8 +27,7 @@ struct Racing {
   double significance = 0.01;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Racing>) {
+constexpr void describe(auto& v, Of<Racing>) {
   using T = Racing;
   v.member("first", &T::first, in_range({2, 1'000'000}, "", "number of worlds before the first test"));
   v.member("block", &T::block, in_range({1, 1'000'000}, "", "number of worlds between two tests"));

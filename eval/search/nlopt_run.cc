@@ -5,11 +5,8 @@
 #include <array>
 #include <cctype>
 #include <exception>
-#include <limits>
 #include <nlopt.hpp>
 #include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "controller/config/node.h"
 

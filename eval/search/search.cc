@@ -6,7 +6,6 @@
 #include <map>
 #include <stdexcept>
 
-#include "eval/search/nlopt_run.h"
 #include "eval/search/random.h"
 
 namespace moma::tune {
@@ -62,14 +61,12 @@ std::vector<Evaluation> best_of(const std::vector<Variable>& variables, const st
     const bool searching = e.phase == Phase::kStart || e.phase == Phase::kGlobal || e.phase == Phase::kLocal;
     if (searching && !e.cut) full.push_back(&e);
   }
-  std::stable_sort(full.begin(), full.end(),
-                   [](const Evaluation* a, const Evaluation* b) { return a->merit < b->merit; });
+  std::ranges::stable_sort(full, [](const Evaluation* a, const Evaluation* b) { return a->merit < b->merit; });
   std::vector<Evaluation> result;
   for (const Evaluation* e : full) {
     if (result.size() == count) break;
-    const bool near = std::any_of(result.begin(), result.end(), [&](const Evaluation& other) {
-      return distance(variables, e->candidate, other.candidate) < apart;
-    });
+    const bool near = std::ranges::any_of(
+        result, [&](const Evaluation& other) { return distance(variables, e->candidate, other.candidate) < apart; });
     if (!near) result.push_back(*e);
   }
   return result;
@@ -102,8 +99,7 @@ std::vector<Finalist> confirm(const SearchSettings& settings, const Confirmation
     finalist.robust = 0.5 * (finalist.merit + finalist.neighbours);
     finalists.push_back(std::move(finalist));
   }
-  std::stable_sort(finalists.begin(), finalists.end(),
-                   [](const Finalist& a, const Finalist& b) { return a.robust < b.robust; });
+  std::ranges::stable_sort(finalists, [](const Finalist& a, const Finalist& b) { return a.robust < b.robust; });
   return finalists;
 }
 
@@ -168,10 +164,9 @@ class Searcher {
       const auto& history = evaluator_.history();
       const std::deque<Evaluation> own(history.begin() + static_cast<std::ptrdiff_t>(first), history.end());
       const std::vector<Evaluation> best = best_of(settings_.variables, own, begun.size() + 1, kLocalApart);
-      const auto fresh = std::find_if(best.begin(), best.end(), [&](const Evaluation& e) {
-        return std::none_of(begun.begin(), begun.end(), [&](const Candidate& b) {
-          return distance(settings_.variables, e.candidate, b) < kLocalApart;
-        });
+      const auto fresh = std::ranges::find_if(best, [&](const Evaluation& e) {
+        return std::ranges::none_of(
+            begun, [&](const Candidate& b) { return distance(settings_.variables, e.candidate, b) < kLocalApart; });
       });
       if (fresh != best.end()) {
         from = to_unit(settings_.variables, fresh->candidate);
@@ -250,8 +245,8 @@ void check(const SearchSettings& s) {
 }
 
 void add_notes(const SearchSettings& settings, const Confirmation& fitted, SearchResult& result) {
-  const bool bounded = std::any_of(settings.constraints.begin(), settings.constraints.end(),
-                                   [](const Constraint& constraint) { return !constraint.of_start; });
+  const bool bounded =
+      std::ranges::any_of(settings.constraints, [](const Constraint& constraint) { return !constraint.of_start; });
   if (bounded)
     result.notes.push_back(
         fmt::format("constraints by penalty: the cost grows by {:.4g} for an excess as large as the "

@@ -25,8 +25,7 @@ struct Confirmation {
   double radius = 0.04;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Confirmation>) {
+constexpr void describe(auto& v, Of<Confirmation>) {
   using T = Confirmation;
   v.member("candidates", &T::candidates, in_range({1, 1000}, "", "number of best candidates that are measured again"));
   v.member("worlds", &T::worlds,

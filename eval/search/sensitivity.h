@@ -13,8 +13,7 @@ struct SensitivitySettings {
   std::size_t pairs_of = 4;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<SensitivitySettings>) {
+constexpr void describe(auto& v, Of<SensitivitySettings>) {
   using T = SensitivitySettings;
   constexpr Range kStep{0.0, 1.0, true, false};
   v.member("near", &T::near, in_range(kStep, "1", "small step in both directions, in the unit cube"));

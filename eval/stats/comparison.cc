@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "eval/stats/intervals.h"
-
 namespace moma::stats {
 namespace {
 
@@ -24,7 +22,7 @@ PairedRate rate_of(const char* name, std::span<const std::pair<Ending, Ending>> 
 
 template <class Row>
 const Row& named(const std::vector<Row>& rows, const std::string& name) {
-  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) { return row.name == name; });
+  const auto found = std::ranges::find_if(rows, [&](const Row& row) { return row.name == name; });
   if (found == rows.end()) throw std::out_of_range("the comparison has no " + name);
   return *found;
 }

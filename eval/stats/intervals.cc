@@ -10,9 +10,6 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
-#include <vector>
-
-#include "eval/stats/intervals.h"
 
 namespace moma::stats {
 namespace {
@@ -91,7 +88,7 @@ std::int64_t mcnemar_pairs(double discordant, double difference, double power, d
 std::vector<double> holm(const std::vector<double>& p_values) {
   std::vector<std::size_t> order(p_values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
   std::vector<double> adjusted(p_values.size());
   double largest = 0.0;
   for (std::size_t rank = 0; rank < order.size(); ++rank) {
@@ -104,7 +101,7 @@ std::vector<double> holm(const std::vector<double>& p_values) {
 
 double median(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const std::size_t n = values.size();
   return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }
@@ -154,15 +151,14 @@ MeanDifference paired_bootstrap(std::span<const double> a, std::span<const doubl
     double squares = 0.0;
     for (const double difference : differences) squares += (difference - mean) * (difference - mean);
     const auto n = static_cast<double>(differences.size());
-    const double half =
-        boost::math::quantile(boost::math::normal(), 0.5 + options.confidence / 2) * std::sqrt(squares / (n - 1.0) / n);
+    const double half = deviations(options.confidence) * std::sqrt(squares / (n - 1.0) / n);
     return {mean, mean - half, mean + half};
   }
   std::vector<double> means(static_cast<std::size_t>(options.replicates));
   for (std::size_t r = 0; r < means.size(); ++r) {
     means[r] = resampled_mean(differences, options.seed, static_cast<std::uint32_t>(r));
   }
-  std::sort(means.begin(), means.end());
+  std::ranges::sort(means);
   const double tail = (1.0 - options.confidence) / 2;
   return {mean, quantile(means, tail), quantile(means, 1.0 - tail)};
 }
@@ -195,7 +191,7 @@ double wilcoxon_greater(std::span<const double> differences) {
     if (d != 0.0 && !std::isnan(d)) kept.push_back(d);
   }
   if (kept.empty()) return 1.0;
-  std::sort(kept.begin(), kept.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  std::ranges::sort(kept, [](double a, double b) { return std::abs(a) < std::abs(b); });
 
   const std::size_t n = kept.size();
   std::vector<int> doubled_ranks(n);

@@ -6,26 +6,18 @@
 #include <cmath>
 #include <type_traits>
 
+#include "controller/describe/equal.h"
+
 namespace moma::store {
 namespace {
 
-/// Collects the columns of one record.
-template <class Column>
-struct Collector {
-  std::vector<Column> columns;
-  template <class M, class C>
-  void member(std::string_view name, M C::*member, const moma::Column& about) {
-    if constexpr (!std::is_same_v<M, Outcome>) columns.push_back({name, member, about});
-  }
-  template <class M, class C>
-  void inlined(M C::*) {}  // timings are columns of another table
-};
-
 template <class Record, class Column>
 std::vector<Column> collect() {
-  Collector<Column> collector;
-  describe(collector, Of<Record>{});
-  return std::move(collector.columns);
+  std::vector<Column> columns;
+  for_members<Record>([&]<class M, class C>(std::string_view name, M C::*member, const moma::Column& about) {
+    if constexpr (!std::is_same_v<M, Outcome>) columns.push_back({name, member, about});
+  });
+  return columns;
 }
 
 }  // namespace
@@ -54,25 +46,21 @@ double stored(double value) noexcept { return std::isfinite(value) ? value + 0.0
 
 namespace {
 
-bool same(double a, double b) noexcept { return a == b || (std::isnan(a) && std::isnan(b)); }
-bool same(int a, int b) noexcept { return a == b; }
-bool same(const std::string& a, const std::string& b) noexcept { return a == b; }
-
 // Value of the column in a row without it.
 bool absent(double value) noexcept { return std::isnan(value); }
 bool absent(int value) noexcept { return value == 0; }
 bool absent(const std::string& value) noexcept { return value.empty(); }
 
-template <class Value>
-bool agree_as_stored(const Column& about, const Value& a, const Value& b) {
-  return same(a, b) || (about.earlier == Earlier::kUnknown && absent(a));
-}
-
 }  // namespace
 
-bool agree(const Column& about, double a, double b) { return agree_as_stored(about, stored(a), stored(b)); }
-bool agree(const Column& about, int a, int b) { return agree_as_stored(about, a, b); }
-bool agree(const Column& about, const std::string& a, const std::string& b) { return agree_as_stored(about, a, b); }
+bool agree(const Column& about, double a, double b) {
+  return same(stored(a), stored(b)) || (about.earlier == Earlier::kUnknown && absent(stored(a)));
+}
+template <class Value>
+bool agree(const Column& about, const Value& a, const Value& b) {
+  return a == b || (about.earlier == Earlier::kUnknown && absent(a));
+}
+template bool agree(const Column&, const int&, const int&);
 
 std::vector<std::string_view> missing_columns(const TrialRow& stored, const TrialRow& now) {
   std::vector<std::string_view> names;

@@ -10,16 +10,14 @@
 namespace moma::store {
 
 /// A column of table `trial` or `execution`, and its member.
-struct TrialColumn {
+template <class Row>
+struct ColumnOf {
   std::string_view name;
-  std::variant<double TrialRow::*, int TrialRow::*, std::string TrialRow::*> member;
+  std::variant<double Row::*, int Row::*, std::string Row::*> member;
   Column about;
 };
-struct TimingColumn {
-  std::string_view name;
-  std::variant<double TrialRow::Timing::*, int TrialRow::Timing::*> member;
-  Column about;
-};
+using TrialColumn = ColumnOf<TrialRow>;
+using TimingColumn = ColumnOf<TrialRow::Timing>;
 
 /// All deterministic columns except `outcome`, in the order of the description of TrialRow (eval/trial/row.h).
 const std::vector<TrialColumn>& trial_columns();
@@ -33,8 +31,8 @@ double stored(double value) noexcept;
 /// Returns whether two values of a column have the same bits in the store. In a column that was added later, a missing
 /// `a` agrees with any `b`.
 bool agree(const Column& about, double a, double b);
-bool agree(const Column& about, int a, int b);
-bool agree(const Column& about, const std::string& a, const std::string& b);
+template <class Value>
+bool agree(const Column& about, const Value& a, const Value& b);
 
 /// Returns "column: a != b" for every deterministic column in which the rows disagree.
 std::vector<std::string> differences(const TrialRow& a, const TrialRow& b);

@@ -1,6 +1,5 @@
 #include "eval/store/contents.h"
 
-#include <SQLiteCpp/Database.h>
 #include <SQLiteCpp/Exception.h>
 #include <SQLiteCpp/Statement.h>
 #include <fmt/format.h>
@@ -257,7 +256,7 @@ std::size_t check_hashes(SQLite::Database& db, const std::string& schema, const 
   return n;
 }
 
-ContentCounts check_contents(const std::filesystem::path& file, const Found& finding) {
+ContentCounts check_contents(const fs::path& file, const Found& finding) {
   ReadConnection connection(file);
   try {
     return Checker{connection.db(), finding}.execute();

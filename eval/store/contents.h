@@ -3,10 +3,11 @@
 #include <SQLiteCpp/Database.h>
 
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "controller/config/paths.h"
 
 namespace moma::store {
 
@@ -23,7 +24,7 @@ struct ContentCounts {
 /// Compares all redundant data of a store, and texts with their hashes; calls `finding` with a sentence for each
 /// disagreement. Results that are stored once (rows of trials, timings, samples) need a replay. Cost: about 20 us per
 /// world, 5 us per trial, 1 ms per 1000 samples. Throws StoreError.
-ContentCounts check_contents(const std::filesystem::path& file, const std::function<void(const std::string&)>& finding);
+ContentCounts check_contents(const fs::path& file, const std::function<void(const std::string&)>& finding);
 
 /// Compares the texts of `schema` ("main" or an attached one) with their hashes; returns the number of texts.
 std::size_t check_hashes(SQLite::Database& db, const std::string& schema,

@@ -12,7 +12,6 @@
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <string>
 #include <system_error>
 #include <utility>
 
@@ -23,7 +22,6 @@
 namespace moma::store {
 namespace {
 
-namespace fs = std::filesystem;
 using Kind = StoreError::Kind;
 
 constexpr int kBusyTimeoutMs = 10000;

@@ -3,7 +3,6 @@
 #include <SQLiteCpp/Database.h>
 
 #include <cstddef>
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -18,31 +17,31 @@ enum class Access { kReadOnly, kReadWrite, kCreate };
 /// Opens a store. kCreate also creates it, in one transaction; kReadWrite and kCreate migrate older versions and add
 /// the columns of new metrics. A read-only connection refuses every write and works in a read-only folder. Throws
 /// StoreError{kUnusable}: missing, a folder, no permission, not SQLite, another program's, from a newer moma, locked.
-SQLite::Database open_database(const std::filesystem::path& file, Access access);
+SQLite::Database open_database(const fs::path& file, Access access);
 
 /// Removes a store with the files that SQLite keeps beside it.
-void remove_store(const std::filesystem::path& file);
+void remove_store(const fs::path& file);
 
 /// A read-only connection that, unlike SQLite's own, leaves no -wal and -shm files behind.
 class ReadConnection {
  public:
   /// Throws as open_database(file, Access::kReadOnly).
-  explicit ReadConnection(const std::filesystem::path& file);
+  explicit ReadConnection(const fs::path& file);
   ~ReadConnection();
   ReadConnection(const ReadConnection&) = delete;
   ReadConnection& operator=(const ReadConnection&) = delete;
   SQLite::Database& db() noexcept { return *db_; }
 
  private:
-  std::filesystem::path file_;
+  fs::path file_;
   std::optional<SQLite::Database> db_;
 };
 
 /// Describes a failure of SQLite, with the file and the remedy.
-StoreError explain(const SQLite::Exception& error, const std::filesystem::path& file, StoreError::Kind kind);
+StoreError explain(const SQLite::Exception& error, const fs::path& file, StoreError::Kind kind);
 
 /// Returns a warning if the file is on a network file system, whose locks SQLite cannot trust; otherwise "".
-std::string file_system_warning(const std::filesystem::path& file);
+std::string file_system_warning(const fs::path& file);
 
 /// Counts the trials that ended because real time ran out; earlier versions stored them (plugin/host/late.h).
 std::size_t count_late(const SQLite::Database& db);

@@ -6,10 +6,9 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
 #include "controller/case/plan_words.h"
+#include "controller/config/json.h"
 #include "controller/describe/complete.h"
 #include "eval/store/columns.h"
 #include "eval/store/rows.h"
@@ -29,7 +28,7 @@ static_assert(is_complete<Difficulty>(), "a member of Difficulty without its lin
 /// table then equals an old one to which they were added.
 std::string column_lines(std::string_view table, bool ends_table) {
   const auto& all = described_tables();
-  const auto found = std::find_if(all.begin(), all.end(), [&](const auto& t) { return t.first == table; });
+  const auto found = std::ranges::find_if(all, [&](const auto& t) { return t.first == table; });
   if (found == all.end()) return "";
   std::vector<ColumnDefinition> ordered = found->second;
   std::stable_partition(ordered.begin(), ordered.end(), [](const ColumnDefinition& c) { return !c.later; });
@@ -96,14 +95,12 @@ std::string mean_of(std::string_view label) {
   return fmt::format("mean {}", label);
 }
 
-class MetricList {
- public:
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  std::string_view of;  // whose member it is
-  template <class M, class C>
-  void member(std::string_view name, M C::*, const Column& about) {
+/// Adds the metrics among the members of R. `of`: whose they are.
+template <class R>
+void add_metrics(Json& list, std::string_view of) {
+  for_members<R>([&](std::string_view name, auto, const Column& about) {
     if (about.label.empty()) return;
-    nlohmann::ordered_json metric = {
+    Json metric = {
         {"key", name}, {"of", of}, {"name", about.label}, {"unit", about.unit}, {"better", to_string(about.better)}};
     if (about.decimals >= 0) {
       metric["decimals"] = about.decimals;
@@ -116,10 +113,8 @@ class MetricList {
       metric["summary"] = {{"column", about.shown.median}, {"name", fmt::format("median {}", about.label)}};
     metric["text"] = about.text;
     list.push_back(std::move(metric));
-  }
-  template <class M, class C>
-  void inlined(M C::*) {}  // timings come last
-};
+  });
+}
 
 }  // namespace
 
@@ -178,7 +173,7 @@ std::string temporary_views_sql() {
 
 std::string query_of_overall() {
   const auto& all = views();
-  const auto found = std::find_if(all.begin(), all.end(), [](const auto& view) { return view.first == "v_summary"; });
+  const auto found = std::ranges::find_if(all, [](const auto& view) { return view.first == "v_summary"; });
   constexpr std::string_view kWith = "WITH ";
   // The same statement over trials whose families are one.
   return fmt::format(
@@ -199,14 +194,11 @@ std::string summary_list(const std::string& prefix) {
 }
 
 std::string json_of_metrics() {
-  MetricList metrics;
-  metrics.of = "trial";
-  describe(metrics, Of<TrialRow>{});
-  metrics.of = "world";
-  describe(metrics, Of<Difficulty>{});
-  metrics.of = "machine";
-  describe(metrics, Of<TrialRow::Timing>{});
-  return metrics.list.dump();
+  Json list = Json::array();
+  add_metrics<TrialRow>(list, "trial");
+  add_metrics<Difficulty>(list, "world");
+  add_metrics<TrialRow::Timing>(list, "machine");
+  return list.dump();
 }
 
 std::string json_of_samples() {

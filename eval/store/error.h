@@ -1,8 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <stdexcept>
 #include <string>
+
+#include "controller/config/paths.h"
 
 namespace moma::store {
 
@@ -23,10 +24,10 @@ class StoreError : public std::runtime_error {
 };
 
 /// "FILE: message".
-inline StoreError unusable(const std::filesystem::path& file, const std::string& message) {
+inline StoreError unusable(const fs::path& file, const std::string& message) {
   return {StoreError::Kind::kUnusable, file.string() + ": " + message};
 }
-inline StoreError not_found(const std::filesystem::path& file, const std::string& message) {
+inline StoreError not_found(const fs::path& file, const std::string& message) {
   return {StoreError::Kind::kNotFound, file.string() + ": " + message};
 }
 

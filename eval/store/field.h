@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "controller/describe/enumeration.h"
@@ -103,25 +102,17 @@ inline std::string text(const Column& about) {
 inline bool later(const Field&) { return false; }
 inline bool later(const Column& about) { return about.earlier == Earlier::kUnknown; }
 
-struct Definer {
-  std::vector<ColumnDefinition> columns;
-  template <class M, class C, class About>
-  void member(std::string_view name, M C::*, const About& about) {
-    const std::string as(name);
-    columns.push_back({as, type<M>(as, about), text(about), later(about)});
-  }
-  template <class M, class C>
-  void inlined(M C::*) {}  // of another table
-};
-
 }  // namespace field
 
 /// The columns of R's table, in the order of its description.
 template <class R>
 std::vector<ColumnDefinition> definitions() {
-  field::Definer definer;
-  describe(definer, Of<R>{});
-  return std::move(definer.columns);
+  std::vector<ColumnDefinition> columns;
+  for_members<R>([&]<class M, class C>(std::string_view name, M C::*, const auto& about) {
+    const std::string as(name);
+    columns.push_back({as, field::type<M>(as, about), field::text(about), field::later(about)});
+  });
+  return columns;
 }
 
 }  // namespace moma::store

@@ -38,7 +38,7 @@ Hash hash_from_hex(std::string_view hex) {
 
 std::optional<std::pair<Hash, Hash>> key_range(std::string prefix) {
   const bool hex = !prefix.empty() && prefix.size() <= 32 &&
-                   std::all_of(prefix.begin(), prefix.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
+                   std::ranges::all_of(prefix, [](unsigned char c) { return std::isxdigit(c) != 0; });
   if (!hex) return std::nullopt;
   std::string last = prefix;
   prefix.resize(32, '0');

@@ -9,9 +9,9 @@
 
 #include <chrono>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <thread>
 
+#include "controller/config/json.h"
 #include "eval/store/hash.h"
 
 namespace moma::store {
@@ -55,10 +55,10 @@ Machine this_machine() {
   }
   machine.cpu = cpu_model();
   machine.cpu_count = static_cast<int>(std::thread::hardware_concurrency());
-  const nlohmann::ordered_json libraries = {{"ode", kOdeVersion},           {"eigen", kEigenVersion},
-                                            {"coal", kCoalVersion},         {"urdfdom", kUrdfdomVersion},
-                                            {"qp", kQpSolverVersion},       {"sqlite", sqlite3_libversion()},
-                                            {"zstd", ZSTD_versionString()}, {"glibc", gnu_get_libc_version()}};
+  const Json libraries = {{"ode", kOdeVersion},           {"eigen", kEigenVersion},
+                          {"coal", kCoalVersion},         {"urdfdom", kUrdfdomVersion},
+                          {"qp", kQpSolverVersion},       {"sqlite", sqlite3_libversion()},
+                          {"zstd", ZSTD_versionString()}, {"glibc", gnu_get_libc_version()}};
   machine.libraries = libraries.dump();
   const std::string flags = to_hex(hash_text(kCompilerFlags)).substr(0, 8);
   machine.machine_class =

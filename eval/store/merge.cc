@@ -12,10 +12,10 @@
 #include <map>
 #include <memory>
 #include <set>
-#include <string>
 #include <system_error>
 #include <utility>
 
+#include "controller/describe/enumeration.h"
 #include "eval/store/columns.h"
 #include "eval/store/contents.h"
 #include "eval/store/database.h"
@@ -31,7 +31,6 @@ namespace moma::store {
 namespace {
 
 using SQLite::Statement;
-namespace fs = std::filesystem;
 
 /// A column that holds the id of a row of `table`.
 struct Reference {
@@ -123,13 +122,11 @@ struct Importer {
     }
     /// "o.COLUMN = its value AND ..."
     std::string equal(const std::vector<std::string>& columns) const {
-      std::string text;
-      for (const std::string& column : columns) {
+      const auto text = [&](const std::string& column) {
         const auto found = values.find(column);
-        text += fmt::format("{}o.{} = {}", text.empty() ? "" : " AND ", column,
-                            found != values.end() ? found->second : "s." + column);
-      }
-      return text;
+        return fmt::format("o.{} = {}", column, found != values.end() ? found->second : "s." + column);
+      };
+      return joined(columns, text, " AND ");
     }
   };
 

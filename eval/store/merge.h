@@ -2,10 +2,11 @@
 
 #include <atomic>
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "controller/config/paths.h"
 
 namespace moma::store {
 
@@ -26,7 +27,6 @@ struct MergeOptions {
 /// both have is kept as far as either went. Missing tables and rows of other programs are added too. Stores of older
 /// versions are migrated, inputs by a copy. Throws StoreError: kUnusable for a file, kContradiction if one key has two
 /// results from machines of one class, kInterrupted if stopped.
-MergeSummary merge(const std::filesystem::path& out, const std::vector<std::filesystem::path>& in,
-                   const MergeOptions& options = {});
+MergeSummary merge(const fs::path& out, const std::vector<fs::path>& in, const MergeOptions& options = {});
 
 }  // namespace moma::store

@@ -6,8 +6,8 @@
 #include <sqlite3.h>
 
 #include <cstdint>
-#include <set>
 
+#include "controller/describe/enumeration.h"
 #include "eval/search/variables.h"
 #include "eval/store/definition.h"
 #include "eval/store/error.h"
@@ -30,7 +30,7 @@ struct Search {
 
 struct Searches {
   SQLite::Database& db;
-  const std::filesystem::path& file;
+  const fs::path& file;
   std::vector<std::string>& notes;
 
   std::size_t execute() {
@@ -94,12 +94,11 @@ struct Searches {
   }
 
   bool contradicts(const Search& search) {
-    std::string differ;
-    for (const std::string& name :
-         rows<std::string>(db,
-                           "SELECT name FROM pragma_table_xinfo('tune_evaluation', 'main') WHERE hidden = 0 AND "
-                           "name NOT IN ('search_id', 'evaluation')"))
-      differ += fmt::format("{0}s.{1} IS NOT o.{1}", differ.empty() ? "" : " OR ", name);
+    const auto columns = rows<std::string>(db,
+                                           "SELECT name FROM pragma_table_xinfo('tune_evaluation', 'main') WHERE "
+                                           "hidden = 0 AND name NOT IN ('search_id', 'evaluation')");
+    const std::string differ = joined(
+        columns, [](const std::string& name) { return fmt::format("s.{0} IS NOT o.{0}", name); }, " OR ");
     const std::size_t n =
         count(db,
               fmt::format("SELECT count(*) FROM source.tune_evaluation AS s JOIN main.tune_evaluation AS o "
@@ -125,19 +124,17 @@ struct Searches {
 
 std::string columns_of(SQLite::Database& db, const std::string& table, const std::string& prefix,
                        const std::map<std::string, std::string>& instead) {
-  std::string names;
-  for (const std::string& name :
-       rows<std::string>(db,
-                         "SELECT name FROM pragma_table_xinfo(?1, 'main') WHERE hidden = 0 AND name <> 'id' AND name "
-                         "IN (SELECT name FROM pragma_table_xinfo(?1, 'source'))",
-                         table)) {
+  const auto names = rows<std::string>(db,
+                                       "SELECT name FROM pragma_table_xinfo(?1, 'main') WHERE hidden = 0 AND name <> "
+                                       "'id' AND name IN (SELECT name FROM pragma_table_xinfo(?1, 'source'))",
+                                       table);
+  return joined(names, [&](const std::string& name) {
     const auto other = instead.find(name);
-    names += (names.empty() ? "" : ", ") + (other != instead.end() ? other->second : prefix + name);
-  }
-  return names;
+    return other != instead.end() ? other->second : prefix + name;
+  });
 }
 
-std::size_t merge_searches(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes) {
+std::size_t merge_searches(SQLite::Database& db, const fs::path& file, std::vector<std::string>& notes) {
   return Searches{db, file, notes}.execute();
 }
 
@@ -149,7 +146,7 @@ struct Object {
 
 struct Others {
   SQLite::Database& db;
-  const std::filesystem::path& file;
+  const fs::path& file;
   std::vector<std::string>& notes;
 
   void execute() {
@@ -189,10 +186,8 @@ struct Others {
                                        o.name));
     }
     if (ours.empty()) create(o);
-    std::string columns;
-    for (const std::string& name :
-         rows<std::string>(db, "SELECT name FROM pragma_table_xinfo(?, 'source') WHERE hidden = 0", o.name))
-      columns += (columns.empty() ? "" : ", ") + sql_name(name);
+    const std::string columns = joined(
+        rows<std::string>(db, "SELECT name FROM pragma_table_xinfo(?, 'source') WHERE hidden = 0", o.name), &sql_name);
     try {
       db.exec(
           fmt::format("INSERT INTO main.{0} ({1}) SELECT {1} FROM source.{0}{2}", sql_name(o.name), columns,
@@ -216,7 +211,7 @@ std::set<std::string> own_names() {
   return {names.begin(), names.end()};
 }
 
-void merge_others(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes) {
+void merge_others(SQLite::Database& db, const fs::path& file, std::vector<std::string>& notes) {
   Others{db, file, notes}.execute();
 }
 

@@ -2,11 +2,12 @@
 
 #include <SQLiteCpp/Database.h>
 
-#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
+
+#include "controller/config/paths.h"
 
 namespace moma::store {
 
@@ -23,9 +24,9 @@ std::set<std::string> own_names();
 /// Adds searches, and continues those that both stores have; needs the temporary table map_suite (source, target).
 /// Returns the number of changed searches. Throws StoreError{kContradiction} if machines of one class took different
 /// paths in one search.
-std::size_t merge_searches(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes);
+std::size_t merge_searches(SQLite::Database& db, const fs::path& file, std::vector<std::string>& notes);
 
 /// Adds tables, indices and views of other programs. Throws StoreError if rows would be lost.
-void merge_others(SQLite::Database& db, const std::filesystem::path& file, std::vector<std::string>& notes);
+void merge_others(SQLite::Database& db, const fs::path& file, std::vector<std::string>& notes);
 
 }  // namespace moma::store

@@ -40,7 +40,7 @@ void create_schema(SQLite::Database& db) {
 void migrate(SQLite::Database& db, std::span<const Migration> steps, int target) {
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   for (int version = schema_version(db); version < target; ++version) {
-    const auto step = std::find_if(steps.begin(), steps.end(), [&](const Migration& m) { return m.from == version; });
+    const auto step = std::ranges::find_if(steps, [&](const Migration& m) { return m.from == version; });
     if (step == steps.end()) throw std::logic_error(fmt::format("no migration from store version {}", version));
     db.exec(step->sql);
     db.exec(fmt::format("PRAGMA user_version = {}", version + 1));
@@ -99,7 +99,7 @@ std::vector<FewWords> all_few_words(SQLite::Database& db) {
     const std::string stored = row<std::string>(find, table).value_or("");
     for (const ColumnDefinition& column : columns) {
       const std::string ours = words_check(column.type, column.name), check = words_check(stored, column.name);
-      const auto marks = [](const std::string& sql) { return std::count(sql.begin(), sql.end(), '\''); };
+      const auto marks = [](const std::string& sql) { return std::ranges::count(sql, '\''); };
       if (!check.empty() && marks(check) < marks(ours)) found.push_back({table, check, ours});
     }
   }
@@ -132,8 +132,7 @@ void add_words(SQLite::Database& db) {
 bool has_our_views(SQLite::Database& db) {
   const auto& ours = views();
   SQLite::Statement find(db, "SELECT sql FROM main.sqlite_schema WHERE type = 'view' AND name = ?");
-  return std::all_of(ours.begin(), ours.end(),
-                     [&](const auto& view) { return row<std::string>(find, view.first) == view.second; });
+  return std::ranges::all_of(ours, [&](const auto& view) { return row<std::string>(find, view.first) == view.second; });
 }
 
 }  // namespace
@@ -141,7 +140,7 @@ bool has_our_views(SQLite::Database& db) {
 void shadow_views(SQLite::Database& db) {
   // Without a column that the views show only the file's own can be read; they show none of searches and invocations.
   const std::vector<std::string> lacks = all_additions(db);
-  const bool shown = std::any_of(lacks.begin(), lacks.end(), [](const std::string& sql) {
+  const bool shown = std::ranges::any_of(lacks, [](const std::string& sql) {
     return !sql.starts_with("ALTER TABLE tune_") && !sql.starts_with("ALTER TABLE invocation ");
   });
   if (!shown && !has_our_views(db)) db.exec(temporary_views_sql());

@@ -12,9 +12,6 @@
 #include <cstring>
 #include <memory>
 #include <new>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "eval/store/database.h"
 #include "eval/store/hash.h"
@@ -75,7 +72,7 @@ std::vector<std::string> known_columns(SQLite::Database& db) {
     std::vector<std::string> of_robot = column_names_of(text);
     add_written_columns(of_robot);
     for (const std::string& word : of_robot) {
-      if (std::find(names.begin(), names.end(), word) == names.end()) names.push_back(word);
+      if (std::ranges::find(names, word) == names.end()) names.push_back(word);
     }
   }
   if (names.empty()) names.emplace_back("t");
@@ -111,7 +108,7 @@ void load(SamplesCursor& cursor, const SamplesTable& table) {
   cursor.n = encoded->n;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     const auto& names = cursor.samples.names;
-    const auto found = std::find(names.begin(), names.end(), table.columns[c]);
+    const auto found = std::ranges::find(names, table.columns[c]);
     if (found != names.end()) cursor.place[c] = static_cast<int>(found - names.begin());
   }
 }
@@ -315,7 +312,7 @@ StatementPtr prepare_query(sqlite3* handle, const std::string& sql) {
 
 }  // namespace
 
-QueryResult query(const std::filesystem::path& file, const std::string& sql, std::chrono::milliseconds patience) {
+QueryResult query(const fs::path& file, const std::string& sql, std::chrono::milliseconds patience) {
   ReadConnection connection(file);
   sqlite3* const handle = connection.db().getHandle();
   try {

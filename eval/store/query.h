@@ -2,13 +2,14 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
+
+#include "controller/config/paths.h"
 
 namespace moma::store {
 
@@ -33,7 +34,7 @@ class QueryError : public std::runtime_error {
 /// Runs one reading statement, in which samples('TRIAL') is a table and bit_count(N) the number of ones in N. Refuses
 /// ATTACH, VACUUM INTO and PRAGMAs that set something. Stops after `patience`, since a store's views may be endless; 0:
 /// no limit. Throws StoreError for the file, QueryError for the SQL.
-QueryResult query(const std::filesystem::path& file, const std::string& sql,
+QueryResult query(const fs::path& file, const std::string& sql,
                   std::chrono::milliseconds patience = std::chrono::minutes(10));
 
 /// Text as a literal of SQL, in its quotes.

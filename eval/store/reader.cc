@@ -2,14 +2,12 @@
 
 #include <SQLiteCpp/Database.h>
 #include <SQLiteCpp/Exception.h>
-#include <SQLiteCpp/Statement.h>
 #include <fmt/format.h>
 
 #include <stdexcept>
 #include <utility>
 
 #include "eval/store/columns.h"
-#include "eval/store/database.h"
 #include "eval/store/hash.h"
 #include "eval/store/migrations.h"
 #include "eval/store/records.h"

@@ -3,11 +3,11 @@
 #include <SQLiteCpp/Statement.h>
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "controller/config/paths.h"
 #include "eval/store/database.h"
 #include "eval/store/samples.h"
 #include "eval/trial/row.h"
@@ -67,7 +67,7 @@ struct LoneTrial {
 /// Reads a store; any number of readers beside the writer. Throws StoreError.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file) : file_(file), connection_(file) {}
+  explicit Reader(const fs::path& file) : file_(file), connection_(file) {}
 
   /// The trial whose key begins with `prefix` (hex digits, any case). Throws kNotFound if none or several do.
   StoredTrial trial(const std::string& prefix) const;
@@ -113,7 +113,7 @@ class Reader {
   std::vector<T> all(const std::string& sql, const A&... values) const;
   std::string full_key(const std::string& prefix) const;
 
-  std::filesystem::path file_;
+  fs::path file_;
   mutable ReadConnection connection_;
   mutable std::optional<SQLite::Statement> lone_;  ///< of lone_trial(), which is asked often
 };

@@ -4,7 +4,6 @@
 
 #include <map>
 
-#include "eval/store/hash.h"
 #include "eval/store/table.h"
 #include "eval/trial/spec_file.h"
 #include "eval/trial/trial.h"
@@ -14,8 +13,6 @@
 
 namespace moma::store {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Setting that all points of a suite share: every key but those that name or count points.
 std::string setting_of(const Json& resolved) {
@@ -95,6 +92,14 @@ std::int64_t content_id(SQLite::Database& db, const char* table, R content) {
   return id ? *id : Table<R>(db, table, {"id"}).insert(content);
 }
 
+/// A name like this one that no row has; `rows` is the rest of the query for one, its first parameter the name.
+template <class... Args>
+std::string unused_name(SQLite::Database& db, const std::string& like, const char* rows, const Args&... args) {
+  return free_name(like, [&](const std::string& name) {
+    return row<int>(db, fmt::format("SELECT 1 FROM {}", rows), name, args...).has_value();
+  });
+}
+
 void add_suite(SQLite::Database& db, const SuiteRecord& suite, Registered& out) {
   const auto found = row<std::int64_t, std::string>(
       db, "SELECT id, name FROM suite WHERE file_name = ? AND setting_hash = ?", suite.name, suite.setting_hash);
@@ -102,9 +107,7 @@ void add_suite(SQLite::Database& db, const SuiteRecord& suite, Registered& out) 
     std::tie(out.suite_id, out.suite_name) = *found;
     return;
   }
-  out.suite_name = free_name(suite.name, [&](const std::string& name) {
-    return row<int>(db, "SELECT 1 FROM suite WHERE name = ?", name).has_value();
-  });
+  out.suite_name = unused_name(db, suite.name, "suite WHERE name = ?");
   out.suite_id = Table<SuiteRow>(db, "suite", {"id"}).insert({out.suite_name, suite.name, suite.setting_hash});
 }
 
@@ -116,11 +119,8 @@ void add_point(SQLite::Database& db, const PointRecord& point, int position, Reg
   if (!found) {
     PointRow added = point;
     added.controller_name = point.controller;
-    added.controller = free_name(point.controller, [&](const std::string& name) {
-      return row<int>(db, "SELECT 1 FROM point WHERE suite_id = ? AND controller = ? AND label = ?", out.suite_id, name,
-                      point.label)
-          .has_value();
-    });
+    added.controller = unused_name(db, point.controller, "point WHERE controller = ? AND suite_id = ? AND label = ?",
+                                   out.suite_id, point.label);
     added.suite_id = out.suite_id;
     added.robot_id = content_id<RobotRow>(db, "robot", {{}, point.robot_name, point.robot_resolved});
     added.controller_id = content_id<ContentRow>(db, "controller", {{}, point.controller_resolved});
@@ -138,10 +138,8 @@ std::int64_t metric_id(SQLite::Database& db, const std::string& name, const std:
   if (const auto id =
           row<std::int64_t>(db, "SELECT id FROM main.metric WHERE file_name = ? AND expression = ?", name, expression))
     return *id;
-  const std::string shown = free_name(name, [&](const std::string& candidate) {
-    return row<int>(db, "SELECT 1 FROM main.metric WHERE name = ?", candidate).has_value();
-  });
-  return Table<MetricRow>(db, "main.metric", {"id"}).insert({shown, name, expression});
+  return Table<MetricRow>(db, "main.metric", {"id"})
+      .insert({unused_name(db, name, "main.metric WHERE name = ?"), name, expression});
 }
 
 Registered register_suite(SQLite::Database& db, const SuiteRecord& suite) {

@@ -31,7 +31,7 @@ struct SuiteRecord {
 
 SuiteRecord describe(const Suite& suite);
 /// Returns whether `hash` is the setting_hash of this resolved suite, for any version of the simulation.
-bool has_setting(const nlohmann::ordered_json& resolved, const Hash& hash);
+bool has_setting(const Json& resolved, const Hash& hash);
 WorldRecord describe(const World& world);
 /// The record of a world that could not be made: its identity without content.
 WorldRecord describe_missing(const Worlds& worlds, std::uint64_t index);

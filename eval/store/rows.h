@@ -23,15 +23,13 @@ enum class RunStatus { kRunning, kFinished, kStopped, kFailed };
 constexpr auto words(Of<RunStatus>) {
   return std::to_array<std::string_view>({"running", "finished", "stopped", "failed"});
 }
-static_assert(all_worded<RunStatus>());
 
 }  // namespace moma::store
 
 namespace moma {
 
 /// Columns of table `world` that say how hard it is; metrics of a trial on the report page.
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Difficulty>) {
+constexpr void describe(auto& v, Of<Difficulty>) {
   using D = Difficulty;
   v.member("goal_distance_m", &D::goal_distance_m,
            Column{.label = "goal distance", .unit = "m", .decimals = 2, .text = "from the start's tip to the goal"});
@@ -59,8 +57,7 @@ struct ContentRow {
   std::string resolved;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<ContentRow>) {
+constexpr void describe(auto& v, Of<ContentRow>) {
   using T = ContentRow;
   v.member("hash", &T::hash, Field{.rule = "UNIQUE"});
   v.member("resolved", &T::resolved, Field{.json = true});
@@ -72,8 +69,7 @@ struct RobotRow {
   std::string resolved;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<RobotRow>) {
+constexpr void describe(auto& v, Of<RobotRow>) {
   using T = RobotRow;
   v.member("hash", &T::hash, Field{.text = "XXH3-128 of `resolved`", .rule = "UNIQUE"});
   v.member("name", &T::name, Field{});
@@ -88,8 +84,7 @@ struct WorldRecord : Difficulty {
   std::string json;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<WorldRecord>) {
+constexpr void describe(auto& v, Of<WorldRecord>) {
   using T = WorldRecord;
   v.member("hash", &T::hash, Field{.text = "XXH3-128 of `json`", .rule = "UNIQUE"});
   v.member("world_index", &T::index, Field{});
@@ -105,8 +100,7 @@ struct MetricRow {
   std::string expression;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<MetricRow>) {
+constexpr void describe(auto& v, Of<MetricRow>) {
   using T = MetricRow;
   v.member("name", &T::name, Field{.text = "as shown: another expression makes NAME@2 ...", .rule = "UNIQUE"});
   v.member("file_name", &T::file_name, Field{.text = "as in the suite file"});
@@ -117,8 +111,7 @@ struct MetricValueRow {
   double value = 0.0;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<MetricValueRow>) {
+constexpr void describe(auto& v, Of<MetricValueRow>) {
   v.member("value", &MetricValueRow::value, Column{.text = "NULL: the trial has no such value"});
 }
 
@@ -128,8 +121,7 @@ struct SuiteRow {
   Hash setting_hash{};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<SuiteRow>) {
+constexpr void describe(auto& v, Of<SuiteRow>) {
   using T = SuiteRow;
   v.member("name", &T::name, Field{.text = "as shown", .rule = "UNIQUE"});
   v.member("file_name", &T::file_name, Field{.text = "as in the suite file"});
@@ -156,8 +148,7 @@ struct PointRow {
   int resolved_position = 0;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<PointRow>) {
+constexpr void describe(auto& v, Of<PointRow>) {
   using T = PointRow;
   v.member("suite_id", &T::suite_id, Field{.rule = "REFERENCES suite (id)"});
   v.member("controller", &T::controller, Field{.text = "as shown: changed parameters make NAME@2 ..."});
@@ -200,8 +191,7 @@ struct InvocationRow : Machine {
   std::optional<std::string> risk;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<InvocationRow>) {
+constexpr void describe(auto& v, Of<InvocationRow>) {
   using T = InvocationRow;
   v.member("suite_id", &T::suite_id, Field{.rule = "REFERENCES suite (id)"});
   v.member("resolved_suite_id", &T::resolved_suite_id, Field{.rule = "REFERENCES resolved_suite (id)"});

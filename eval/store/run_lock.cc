@@ -25,13 +25,13 @@ std::string holder(int descriptor) {
   char text[256];
   const ssize_t n = pread(descriptor, text, sizeof text, 0);
   std::string words(text, n > 0 ? static_cast<std::size_t>(n) : 0);
-  words.erase(std::find(words.begin(), words.end(), '\n'), words.end());
+  words.erase(std::ranges::find(words, '\n'), words.end());
   return words.empty() ? "another run" : words;
 }
 
 }  // namespace
 
-RunLock::RunLock(const std::filesystem::path& db, const std::atomic<bool>* stop,
+RunLock::RunLock(const fs::path& db, const std::atomic<bool>* stop,
                  const std::function<void(const std::string&)>& waiting, Use use)
     : file_(files::behind_links(db).string() + "-lock"), use_(use) {
   bool told = false;
@@ -57,7 +57,7 @@ RunLock::~RunLock() {
   release();
 }
 
-bool RunLock::taken(const std::filesystem::path& db) {
+bool RunLock::taken(const fs::path& db) {
   const int file =
       open((files::behind_links(db).string() + "-lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   if (file < 0) return false;
@@ -67,7 +67,7 @@ bool RunLock::taken(const std::filesystem::path& db) {
   return taken;
 }
 
-bool RunLock::there(const std::filesystem::path& db) {
+bool RunLock::there(const fs::path& db) {
   struct stat found {};
   return lstat((files::behind_links(db).string() + "-lock").c_str(), &found) == 0;
 }

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <atomic>
-#include <filesystem>
 #include <functional>
 #include <string>
+
+#include "controller/config/paths.h"
 
 namespace moma::store {
 
@@ -20,18 +21,18 @@ class RunLock {
 
   /// Waits for another holder, after one call of `waiting` with its description. Returns without the lock if `stop` is
   /// set: see held(). Throws StoreError if the lock's name belongs to anything but a plain file.
-  RunLock(const std::filesystem::path& db, const std::atomic<bool>* stop,
-          const std::function<void(const std::string&)>& waiting, Use use = Use::kWrite);
+  RunLock(const fs::path& db, const std::atomic<bool>* stop, const std::function<void(const std::string&)>& waiting,
+          Use use = Use::kWrite);
   /// Removes the file and releases the lock.
   ~RunLock();
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
 
   /// True if a program holds the lock now; false if the file system has no locks.
-  static bool taken(const std::filesystem::path& db);
+  static bool taken(const fs::path& db);
   /// True if the lock's file exists, held or left by a killed program. A store with a running run but without this file
   /// is a copy that lacks the trials in DB-wal.
-  static bool there(const std::filesystem::path& db);
+  static bool there(const fs::path& db);
 
   /// False if the wait was stopped.
   bool held() const { return held_; }
@@ -43,7 +44,7 @@ class RunLock {
   void check_plain() const;
   void release();
 
-  std::filesystem::path file_;
+  fs::path file_;
   Use use_;
   int descriptor_ = -1;
   bool held_ = false;

@@ -5,7 +5,6 @@
 #include <zstd_errors.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -158,19 +157,12 @@ Sample sized(const Sizes& sizes) {
   return sample;
 }
 
-/// Names of the columns, in the order of flatten().
+/// Names of the columns, in the order of sample_row().
 std::vector<std::string> names_of(const Sizes& sizes) {
   std::vector<std::string> names;
   Sample sample = sized(sizes);
   visit_numbers(sample, [&](const ColumnName& name, double&, bool) { names.push_back(name.text()); });
   return names;
-}
-
-/// One sample as numbers, in the order of names_of().
-std::vector<double> flatten(Sample s) {
-  std::vector<double> row;
-  visit_numbers(s, [&](const ColumnName&, double& value, bool) { row.push_back(value); });
-  return row;
 }
 
 /// Number of columns PREFIX0, PREFIX1, ...
@@ -184,11 +176,15 @@ Eigen::Index count_of(const std::vector<std::string>& names, const std::string& 
 
 void add_written_columns(std::vector<std::string>& names) {
   for (std::string& name : names_of({count_of(names, "q"), count_of(names, "qdot")}))
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
 }
 
 std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v) { return names_of({q, v}); }
-std::vector<double> sample_row(const Sample& sample) { return flatten(sample); }
+std::vector<double> sample_row(Sample s) {
+  std::vector<double> row;
+  visit_numbers(s, [&](const ColumnName&, double& value, bool) { row.push_back(value); });
+  return row;
+}
 
 EncodedSamples encode_samples(const Trace& trace) {
   EncodedSamples encoded;
@@ -207,7 +203,7 @@ EncodedSamples encode_samples(const Trace& trace) {
   std::vector<double> table(names.size() * n);
   for (std::size_t k = 0; k < n; ++k) {
     if (sizes_of(trace[k]) != sizes) throw std::invalid_argument("samples of one trace differ in size");
-    const std::vector<double> row = flatten(trace[k]);
+    const std::vector<double> row = sample_row(trace[k]);
     for (std::size_t c = 0; c < row.size(); ++c) table[c * n + k] = row[c];
   }
   const std::size_t bytes = table.size() * sizeof(double);
@@ -273,14 +269,14 @@ Trace decode_samples(const EncodedSamples& encoded) {
   Sample sample = sized({count_of(table.names, "q"), count_of(table.names, "qdot")});
   visit_numbers(sample, [&](const ColumnName& column, double&, bool memory) {
     const std::string name = column.text();
-    const auto found = std::find(table.names.begin(), table.names.end(), name);
+    const auto found = std::ranges::find(table.names, name);
     const bool there = found != table.names.end();
     if (!there && !memory) throw std::runtime_error("samples have no column " + name);
     places.push_back(there ? static_cast<int>(found - table.names.begin()) : -1);
     used += there ? 1 : 0;
   });
   for (const std::string_view former : kFormerColumns)
-    used += static_cast<std::size_t>(std::count(table.names.begin(), table.names.end(), former));
+    used += static_cast<std::size_t>(std::ranges::count(table.names, former));
   if (used != table.names.size()) throw std::runtime_error("samples have unknown columns");
   Trace trace(static_cast<std::size_t>(encoded.n), sample);
   for (std::size_t k = 0; k < trace.size(); ++k) {

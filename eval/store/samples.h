@@ -20,8 +20,7 @@ struct EncodedSamples {
   Blob data;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<EncodedSamples>) {
+constexpr void describe(auto& v, Of<EncodedSamples>) {
   using T = EncodedSamples;
   v.member("layout", &T::layout, Field{});
   v.member("n", &T::n, Field{.text = "samples"});
@@ -33,7 +32,7 @@ constexpr void describe(Visitor& v, Of<EncodedSamples>) {
 std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v);
 /// Adds the missing names of columns that this version writes for the same robot.
 void add_written_columns(std::vector<std::string>& names);
-std::vector<double> sample_row(const Sample& sample);
+std::vector<double> sample_row(Sample sample);
 
 /// All samples must have vectors of the same sizes. Throws std::invalid_argument otherwise.
 EncodedSamples encode_samples(const Trace& trace);

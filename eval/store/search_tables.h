@@ -31,8 +31,7 @@ struct TuneSearchRecord {
   std::optional<std::string> held_out;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<TuneSearchRecord>) {
+constexpr void describe(auto& v, Of<TuneSearchRecord>) {
   using T = TuneSearchRecord;
   v.member("hash", &T::hash, Field{.text = "XXH3-128 of `identity`", .rule = "UNIQUE"});
   v.member("suite", &T::suite, Field{});
@@ -60,8 +59,7 @@ struct TuneVariableRecord : tune::Variable {
   std::optional<double> importance;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<TuneVariableRecord>) {
+constexpr void describe(auto& v, Of<TuneVariableRecord>) {
   using T = TuneVariableRecord;
   v.member("key", &T::key, Field{});
   v.member("lower", &T::lower, Field{});
@@ -81,8 +79,7 @@ struct TuneSensitivityRecord {
   bool valid = true;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<TuneSensitivityRecord>) {
+constexpr void describe(auto& v, Of<TuneSensitivityRecord>) {
   using T = TuneSensitivityRecord;
   v.member("variable", &T::variable, Field{});
   v.member("other", &T::other, Field{});
@@ -102,8 +99,7 @@ struct TuneComparisonRecord {
   tune::Verdict verdict = tune::Verdict::kNoDifference;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<TuneComparisonRecord>) {
+constexpr void describe(auto& v, Of<TuneComparisonRecord>) {
   using T = TuneComparisonRecord;
   v.member("family", &T::family, Field{.text = "'all': every family together"});
   v.member("other", &T::other, Field{.text = "the controller compared with"});
@@ -136,8 +132,7 @@ struct StoredSearch {
 
 namespace moma::tune {
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Evaluation>) {
+constexpr void describe(auto& v, Of<Evaluation>) {
   using store::Field;
   using T = Evaluation;
   v.member("evaluation", &T::index, Field{.text = "from 0"});
@@ -154,8 +149,7 @@ constexpr void describe(Visitor& v, Of<Evaluation>) {
   v.member("measured", &T::measured, Field{.text = "cost and constraints per world", .bits = true});
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Finalist>) {
+constexpr void describe(auto& v, Of<Finalist>) {
   using store::Field;
   using T = Finalist;
   v.member("candidate", &T::candidate, Field{});

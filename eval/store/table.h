@@ -85,32 +85,6 @@ void read(const SQLite::Column& cell, M& value, [[maybe_unused]] bool bits = fal
 inline bool bits(const Field& about) { return about.bits; }
 inline bool bits(const Column&) { return false; }
 
-template <class R>
-struct Binder {
-  SQLite::Statement& s;
-  const R& record;
-  int index;
-  template <class M, class C, class About>
-  void member(std::string_view, M C::*member, const About& about) {
-    bind(s, index++, record.*member, about);
-  }
-  template <class M, class C>
-  void inlined(M C::*) {}  // of another table
-};
-
-template <class R>
-struct Reader {
-  SQLite::Statement& s;
-  R& record;
-  int index;
-  template <class M, class C, class About>
-  void member(std::string_view, M C::*member, const About& about) {
-    read(s.getColumn(index++), record.*member, bits(about));
-  }
-  template <class M, class C>
-  void inlined(M C::*) {}
-};
-
 /// True if `said` is stored as `kept`.
 template <class About, class M>
 bool same(const M& kept, const M& said) {
@@ -120,26 +94,11 @@ bool same(const M& kept, const M& said) {
   return kept == said;
 }
 
-template <class R>
-struct Differ {
-  const R& kept;
-  const R& said;
-  std::string names;
-  template <class M, class C, class About>
-  void member(std::string_view name, M C::*member, const About&) {
-    if (!same<About>(kept.*member, said.*member)) names.append(names.empty() ? "" : ", ").append(name);
-  }
-  template <class M, class C>
-  void inlined(M C::*) {}
-};
-
 /// Binds a value, or all columns of a described record, from parameter `index` on, and advances it.
 template <class T>
 void bind_next(SQLite::Statement& s, int& index, const T& value) {
   if constexpr (Described<T>) {
-    Binder<T> binder{s, value, index};
-    describe(binder, Of<T>{});
-    index = binder.index;
+    for_members<T>([&](std::string_view, auto member, const auto& about) { bind(s, index++, value.*member, about); });
   } else {
     bind(s, index++, value);
   }
@@ -150,9 +109,9 @@ template <class T>
 T read_next(SQLite::Statement& s, int& index) {
   T value{};
   if constexpr (Described<T>) {
-    Reader<T> reader{s, value, index};
-    describe(reader, Of<T>{});
-    index = reader.index;
+    for_members<T>([&](std::string_view, auto member, const auto& about) {
+      read(s.getColumn(index++), value.*member, bits(about));
+    });
   } else {
     read(s.getColumn(index++), value);
   }
@@ -248,21 +207,20 @@ Hash chain_rows(SQLite::Database& db, Hash chain, const std::string& sql);
 /// Names of the columns in which `kept` differs from `said` as stored; "" if none.
 template <class R>
 std::string differing_columns(const R& kept, const R& said) {
-  field::Differ<R> differ{kept, said, {}};
-  describe(differ, Of<R>{});
-  return differ.names;
+  std::string names;
+  for_members<R>([&]<class About>(std::string_view name, auto member, const About&) {
+    if (!field::same<About>(kept.*member, said.*member)) names.append(names.empty() ? "" : ", ").append(name);
+  });
+  return names;
 }
 
 /// "outcome, reason, ...", with NULL for columns that are not in `stored`.
 template <class R>
 std::string column_names(std::string_view prefix = {}, const std::set<std::string>* stored = nullptr) {
-  std::string list;
-  for (const ColumnDefinition& column : definitions<R>()) {
-    if (!list.empty()) list += ", ";
+  return joined(definitions<R>(), [&](const ColumnDefinition& column) {
     const bool there = stored == nullptr || stored->count(column.name) > 0;
-    list.append(there ? prefix : "NULL AS ").append(column.name);
-  }
-  return list;
+    return std::string(there ? prefix : "NULL AS ") + column.name;
+  });
 }
 
 /// "?, ?, ..." for a list of names.

@@ -5,9 +5,9 @@
 #include <SQLiteCpp/Transaction.h>
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "controller/config/json.h"
 #include "eval/store/database.h"
 #include "eval/store/machine.h"
 #include "eval/store/table.h"
@@ -75,7 +75,7 @@ void add_result(TuneSearchRecord& search, const tune::SearchResult& result) {
   search.trials = result.trials;
   search.trials_saved = result.trials_saved;
   search.evaluations_cut = result.evaluations_cut;
-  nlohmann::ordered_json runs = nlohmann::ordered_json::array();
+  Json runs = Json::array();
   for (const tune::RunNote& run : result.runs)
     runs.push_back({{"algorithm", run.algorithm},
                     {"start", run.start},
@@ -83,7 +83,7 @@ void add_result(TuneSearchRecord& search, const tune::SearchResult& result) {
                     {"evaluations", run.evaluations},
                     {"end", run.end}});
   search.runs = runs.dump();
-  search.notes = nlohmann::ordered_json(result.notes).dump();
+  search.notes = Json(result.notes).dump();
 }
 
 void add_result(std::vector<TuneVariableRecord>& variables, const tune::SearchResult& result) {

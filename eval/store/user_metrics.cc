@@ -38,7 +38,7 @@ constexpr std::array<std::string_view, 53> kFunctions = {
 bool accepted(std::string_view function) {
   std::string lower(function);
   std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::find(kFunctions.begin(), kFunctions.end(), lower) != kFunctions.end();
+  return std::ranges::find(kFunctions, lower) != kFunctions.end();
 }
 
 /// Expressions read samples and compute; nothing else. `refused` is the std::string that gets a function's name.

@@ -9,15 +9,12 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <span>
 
 #include "eval/search/variables.h"
 #include "eval/store/columns.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
 #include "eval/store/machine.h"
-#include "eval/store/records.h"
 #include "eval/store/samples.h"
 #include "eval/store/table.h"
 
@@ -71,7 +68,7 @@ struct Statements {
 }  // namespace
 
 struct Writer::Impl {
-  std::filesystem::path file;
+  fs::path file;
   SQLite::Database db;
   std::optional<Statements> sql;
   Machine machine = this_machine();
@@ -85,7 +82,7 @@ struct Writer::Impl {
   bool fresh = false;  ///< this writer made the file
   std::size_t forgotten = 0;
 
-  explicit Impl(const std::filesystem::path& path) : file(path), db(open_database(path, Access::kCreate)) {}
+  explicit Impl(const fs::path& path) : file(path), db(open_database(path, Access::kCreate)) {}
 
   std::int64_t world_id(const WorldRecord& world) {
     const auto id = store::row<std::int64_t>(sql->find_world, world.hash);
@@ -187,7 +184,7 @@ struct Writer::Impl {
   }
 };
 
-Writer::Writer(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {
+Writer::Writer(const fs::path& file) : impl_(std::make_unique<Impl>(file)) {
   impl_->guarded(StoreError::Kind::kUnusable, [this] {
     impl_->fresh = count(impl_->db, "SELECT count(*) FROM suite") == 0;
     impl_->forgotten = forget_late(impl_->db);
@@ -219,7 +216,7 @@ std::unordered_set<std::string> Writer::begin(const SuiteRecord& suite, const In
     return impl_->guarded(StoreError::Kind::kUnusable, work);
   } catch (...) {
     if (impl_->fresh) {  // leave no store without content behind
-      const std::filesystem::path file = impl_->file;
+      const fs::path file = impl_->file;
       impl_.reset();
       remove_store(file);
     }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -42,7 +41,7 @@ struct Wanted {
 class Writer {
  public:
   /// Opens or makes the store.
-  explicit Writer(const std::filesystem::path& file);
+  explicit Writer(const fs::path& file);
   /// Writes pending rows if possible.
   ~Writer();
   Writer(const Writer&) = delete;

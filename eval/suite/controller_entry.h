@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -30,14 +29,16 @@ class PluginRefused : public config::ConfigError {
 struct SuiteController {
   ControllerParams params;
   std::shared_ptr<const Plugin> plugin;
-  nlohmann::ordered_json resolved;  ///< see TrialSpec::controller_resolved
+  Json resolved;  ///< see TrialSpec::controller_resolved
 };
 
 /// Reads an entry: a map, or the path of a controller file. In addition to the forms of config::read_controller():
 ///   {method: plugin, path: LIBRARY.so, parameters: {...}}
-/// `path` is relative to the file that names it. `digest`, which only resolved suites have, must equal the library's;
-/// the comparison precedes loading. Loads the library and lets it check its parameters. Throws config::ConfigError,
-/// PluginRefused.
+///   {method: process, command: [PROGRAM, ARGUMENT...], directory: FOLDER, files: [...], parameters: {...}}
+///   {method: python, path: FILE.py, class: NAME, python: python3, files: [...], parameters: {...}}
+/// the last two with the keys of ProcessLimits. Paths are relative to the file that names them. `digest`, which only
+/// resolved suites have, must equal the library's, or that of files and arguments; the comparison precedes loading.
+/// Loads the library, or starts a process, and lets it check its parameters. Throws config::ConfigError, PluginRefused.
 SuiteController read_suite_controller(const config::Node& node, const std::string& key,
                                       std::shared_ptr<const config::LoadedRobot> robot, double control_period,
                                       std::vector<std::string>& warnings, Plugins plugins = Plugins::kOfSuite);
@@ -46,30 +47,13 @@ void set_controller(TrialSpec& spec, const SuiteController& controller);
 
 /// Returns the input from which read_suite_controller() reads the spec's controller again: controller_resolved, and a
 /// plugin's path.
-nlohmann::ordered_json stored_controller(const TrialSpec& spec);
-
-/// Code that a controller's entry names, where the entry comes from a store: what was stored is a stranger's until the
-/// user says otherwise.
-struct StoredCode {
-  config::Mark mark;   ///< where it is named, for messages
-  std::string key;     ///< "controllers.mine.path"
-  std::string name;    ///< as it is named
-  std::string digest;  ///< that it has to have; "" where none is stated
-  bool absolute = false;
-};
-
-/// Throws PluginRefused where nobody allowed it, config::ConfigError where it is not named by absolute paths and
-/// digest.
-void check_stored(const StoredCode& code, Plugins plugins);
-
-/// Throws PluginError unless `found` is what was wanted.
-void check_digest(const std::string& found, const std::string& wanted);
+Json stored_controller(const TrialSpec& spec);
 
 /// Returns the keys that locate a controller's code, in absolute paths. They determine nothing else;
 /// read_suite_controller() needs them besides the resolved controller.
-nlohmann::ordered_json paths_of(const Plugin& plugin, const nlohmann::ordered_json& controller_resolved);
+Json paths_of(const Plugin& plugin, const Json& controller_resolved);
 
 /// Replaces the paths of an entry by these, so that the entry can be written into any folder.
-void anchor_paths(config::Node& entry, const Plugin& plugin, const nlohmann::ordered_json& controller_resolved);
+void anchor_paths(config::Node& entry, const Plugin& plugin, const Json& controller_resolved);
 
 }  // namespace moma

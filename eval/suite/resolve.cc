@@ -18,7 +18,6 @@ namespace {
 
 using config::MapReader;
 using config::Node;
-using nlohmann::ordered_json;
 
 /// A missing section is an empty node at its would-be place, so that messages name the file.
 Node section(MapReader& in, const char* name) {
@@ -33,14 +32,14 @@ void check_name(const std::string& name, const Node& node, const std::string& ke
     const auto u = static_cast<unsigned char>(c);
     return u > ' ' && u != 0x7f && c != '.' && c != '"' && c != '\'';
   };
-  if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), allowed)) {
+  if (name.empty() || name.size() > 64 || !std::ranges::all_of(name, allowed)) {
     config::fail(node.key_place(), key,
                  "a controller's name has 1 to 64 characters, none of them a space, a quote or a dot");
   }
 }
 
 // Returns the sections of a point by name, as in the resolved suite.
-std::map<std::string, ordered_json> sections_of(const SuitePoint& point) {
+std::map<std::string, Json> sections_of(const SuitePoint& point) {
   return {{"worlds", point.worlds.to_json()},        {"simulation", to_json(point.simulation)},
           {"success", to_json(point.success)},       {"stuck", to_json(point.stuck)},
           {"infeasible", to_json(point.infeasible)}, {"disturbances", to_json(point.disturbances)}};
@@ -94,13 +93,13 @@ void warn_of_units(const TrialSpec& s, std::vector<std::string>& warnings) {
 }  // namespace
 
 void add_warning(std::vector<std::string>& warnings, std::string text) {
-  if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(std::move(text));
+  if (std::ranges::find(warnings, text) == warnings.end()) warnings.push_back(std::move(text));
 }
 
 std::vector<SuitePoint> read_points(const Node& root, const SuiteRobot& robot, std::vector<std::string>& warnings,
                                     Plugins plugins) {
   SuitePoint common;
-  common.params = ordered_json::object();
+  common.params = Json::object();
   common.robot = robot.robot;
   common.robot_digest = robot.digest;
   MapReader in(root, "");
@@ -154,7 +153,7 @@ void check_suite(Suite& suite, const config::Mark& mark) {
                               point.controller, params.collision.object.stop, point.worlds.clearance()));
     }
     if (has_qp(point)) warn_about_braking(point, suite.warnings);
-    ordered_json content = {{"robot", point.robot_digest}, {"controller", point.controller_resolved}};
+    Json content = {{"robot", point.robot_digest}, {"controller", point.controller_resolved}};
     for (const auto& [key, value] : sections_of(point)) content[key] = value;
     const auto [same, fresh] = contents.emplace(canonical_digest(content), name);
     if (!fresh) {
@@ -164,13 +163,13 @@ void check_suite(Suite& suite, const config::Mark& mark) {
   }
 }
 
-ordered_json resolved_json(const Suite& suite, bool swept) {
+Json resolved_json(const Suite& suite, bool swept) {
   const SuitePoint& first = suite.points.front();
-  ordered_json json = {{"name", suite.name}, {"robot", first.robot->resolved}, {"controllers", ordered_json::object()}};
+  Json json = {{"name", suite.name}, {"robot", first.robot->resolved}, {"controllers", Json::object()}};
   for (const SuitePoint& point : suite.points)
     if (!json["controllers"].contains(point.controller))
       json["controllers"][point.controller] = stored_controller(point);
-  const std::map<std::string, ordered_json> base = sections_of(first);
+  const std::map<std::string, Json> base = sections_of(first);
   for (const char* key : kSectionKeys)
     if (!base.at(key).empty()) json[key] = base.at(key);
   json["trials"] = trials_json(suite);
@@ -181,17 +180,17 @@ ordered_json resolved_json(const Suite& suite, bool swept) {
 
   // Robots are large: each is stored once.
   std::vector<std::string> robots{first.robot_digest};
-  ordered_json more_robots = ordered_json::array();
-  ordered_json points = ordered_json::array();
+  Json more_robots = Json::array();
+  Json points = Json::array();
   for (const SuitePoint& point : suite.points) {
-    ordered_json entry = {{"controller", point.controller}, {"label", point.label}, {"params", point.params}};
-    const auto found = std::find(robots.begin(), robots.end(), point.robot_digest);
+    Json entry = {{"controller", point.controller}, {"label", point.label}, {"params", point.params}};
+    const auto found = std::ranges::find(robots, point.robot_digest);
     if (found != robots.begin()) entry["robot"] = found - robots.begin();
     if (found == robots.end()) {
       robots.push_back(point.robot_digest);
       more_robots.push_back(point.robot->resolved);
     }
-    if (ordered_json controller = stored_controller(point); controller != json["controllers"][point.controller])
+    if (Json controller = stored_controller(point); controller != json["controllers"][point.controller])
       entry["controller_params"] = std::move(controller);
     for (const auto& [key, value] : sections_of(point))
       if (value != base.at(key)) entry[key] = value;

@@ -27,7 +27,7 @@ void check_suite(Suite& suite, const config::Mark& mark);
 
 /// Returns the whole suite as JSON, from its points. Sections of the first point are at the top, as in a suite file;
 /// with a sweep, `points` lists each point with its differing sections.
-nlohmann::ordered_json resolved_json(const Suite& suite, bool swept);
+Json resolved_json(const Suite& suite, bool swept);
 
 /// Keys of a suite file and of its resolved form. `disturbances` appears only if there are any: the resolved form of a
 /// suite without them is independent of later disturbances.

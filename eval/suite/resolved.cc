@@ -13,21 +13,20 @@ namespace {
 
 using config::MapReader;
 using config::Node;
-using nlohmann::ordered_json;
 
 constexpr const char* kSource = "resolved suite";
 
-SuiteRobot robot_of(const ordered_json& resolved) {
+SuiteRobot robot_of(const Json& resolved) {
   return {std::make_shared<config::LoadedRobot>(config::robot_from_resolved(resolved)), canonical_digest(resolved)};
 }
 
 }  // namespace
 
-Suite suite_from_resolved(const ordered_json& resolved) { return suite_from_resolved(resolved, Plugins::kRefused); }
+Suite suite_from_resolved(const Json& resolved) { return suite_from_resolved(resolved, Plugins::kRefused); }
 
-Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
+Suite suite_from_resolved(const Json& resolved, Plugins plugins) {
   // Robots, by far the largest part, have a reader of their own.
-  ordered_json small = resolved;
+  Json small = resolved;
   if (!small.is_object()) config::fail({kSource, 0, 0}, "", "expected a map");
   if (small.contains("robot")) small["robot"] = true;
   if (small.contains("more_robots")) small["more_robots"] = true;
@@ -50,7 +49,7 @@ Suite suite_from_resolved(const ordered_json& resolved, Plugins plugins) {
 
   std::vector<SuiteRobot> robots{robot_of(resolved.at("robot"))};
   if (resolved.contains("more_robots"))
-    for (const ordered_json& robot : resolved.at("more_robots")) robots.push_back(robot_of(robot));
+    for (const Json& robot : resolved.at("more_robots")) robots.push_back(robot_of(robot));
 
   if (points == nullptr) {
     suite.points = read_points(root, robots[0], suite.warnings, plugins);

@@ -20,7 +20,7 @@ void read_metrics(const Node& node, const std::string& key, Suite& suite) {
   for (const auto& [name, expression] : node.entries) {
     const std::string full = key + "." + name;
     const auto word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-    if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), word))
+    if (name.empty() || name.size() > 64 || !std::ranges::all_of(name, word))
       config::fail(node.mark, full, "a metric's name has 1 to 64 letters, digits and underscores");
     suite.metrics.emplace_back(name, config::read_string(expression, full));
     suite.metric_marks.push_back(expression.mark);
@@ -64,7 +64,7 @@ void read_trials(const Node& node, const std::string& key, Suite& suite) {
   suite.trials = static_cast<std::uint64_t>(config::read_integer(node, key, 1, static_cast<long long>(kMaxTrials)));
 }
 
-nlohmann::ordered_json trials_json(const Suite& suite) {
+Json trials_json(const Suite& suite) {
   if (!suite.until) return suite.trials;
   return {{"until", config::write_described(*suite.until)}};
 }

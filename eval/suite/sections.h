@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "controller/config/node.h"
@@ -24,6 +23,6 @@ std::string read_notes(const config::Node& node, const std::string& key);
 void read_trials(const config::Node& node, const std::string& key, Suite& suite);
 
 /// Returns the input of read_trials().
-nlohmann::ordered_json trials_json(const Suite& suite);
+Json trials_json(const Suite& suite);
 
 }  // namespace moma

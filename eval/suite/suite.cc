@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 #include <set>
 
 #include "controller/config/json_node.h"
-#include "controller/config/node.h"
 #include "controller/config/reader.h"
 #include "eval/suite/keys.h"
 #include "eval/suite/resolve.h"
@@ -20,7 +18,6 @@
 namespace moma {
 namespace {
 
-namespace fs = std::filesystem;
 using config::MapReader;
 using config::Node;
 
@@ -132,8 +129,7 @@ void describe(SuitePoint& point, const Assignment& assignment) {
 constexpr const char* kContentKeys[] = {"robot", "controllers"};
 
 bool of_the_whole(std::string_view key) {
-  return std::find(kKeysOfTheWhole.begin(), kKeysOfTheWhole.end(), key.substr(0, key.find('.'))) !=
-         kKeysOfTheWhole.end();
+  return std::ranges::find(kKeysOfTheWhole, key.substr(0, key.find('.'))) != kKeysOfTheWhole.end();
 }
 
 bool is_section(const std::string& key) {

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,7 +20,6 @@ enum class Plugins;
 
 enum class SamplesKept { kAll, kFailures, kNone };
 constexpr auto words(Of<SamplesKept>) { return std::to_array<std::string_view>({"all", "failures", "none"}); }
-static_assert(all_worded<SamplesKept>());
 
 /// `trials: {until: ...}`: worlds come in blocks until every point's Wilson interval (95 %) of the metric's rate is
 /// narrow enough at the end of a block, or until `max`. See eval/batch/sequential.h.
@@ -35,8 +32,7 @@ struct UntilRule {
 
 inline constexpr std::uint64_t kMaxTrials = 100'000'000;
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<UntilRule>) {
+constexpr void describe(auto& v, Of<UntilRule>) {
   using T = UntilRule;
   v.member("metric", &T::metric, {.text = "outcome whose rate is estimated"});
   v.member(
@@ -49,9 +45,9 @@ constexpr void describe(Visitor& v, Of<UntilRule>) {
 
 /// One column of the evaluation: a controller at a sweep point, with everything resolved except the world's index.
 struct SuitePoint : TrialSpec {
-  std::string controller;         ///< its name in the suite
-  std::string label;              ///< "" without a sweep, else e.g. "lambda_q=0.01 k_epsilon=0.5"
-  nlohmann::ordered_json params;  ///< swept keys and values; {} without a sweep
+  std::string controller;  ///< its name in the suite
+  std::string label;       ///< "" without a sweep, else e.g. "lambda_q=0.01 k_epsilon=0.5"
+  Json params;             ///< swept keys and values; {} without a sweep
   Worlds worlds;
 };
 
@@ -69,7 +65,7 @@ struct Suite {
   std::vector<std::pair<std::string, std::string>> metrics;
   std::vector<config::Mark> metric_marks;  ///< place of each metric
   std::string notes;                       ///< Markdown for the head of the report page; part of no key
-  nlohmann::ordered_json resolved;         ///< the whole suite; suite_from_resolved() restores it
+  Json resolved;                           ///< the whole suite; suite_from_resolved() restores it
   std::vector<std::string> warnings;
 };
 
@@ -82,10 +78,10 @@ inline constexpr std::array kKeysOfTheWhole =
 using Overrides = std::vector<std::pair<std::string, std::string>>;
 
 /// Reads and resolves a suite. Throws config::ConfigError with file, line, column, key.
-Suite load_suite(const std::filesystem::path& file, const Overrides& overrides = {});
-Suite suite_from_resolved(const nlohmann::ordered_json& resolved);
+Suite load_suite(const fs::path& file, const Overrides& overrides = {});
+Suite suite_from_resolved(const Json& resolved);
 /// With permission for the suite's plugins (eval/suite/controller_entry.h), which the other one refuses. Throws
 /// config::ConfigError, PluginRefused.
-Suite suite_from_resolved(const nlohmann::ordered_json& resolved, Plugins plugins);
+Suite suite_from_resolved(const Json& resolved, Plugins plugins);
 
 }  // namespace moma

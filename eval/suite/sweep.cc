@@ -12,7 +12,6 @@
 #include <optional>
 #include <set>
 #include <string_view>
-#include <utility>
 
 #include "controller/config/read_described.h"
 #include "controller/describe/enumeration.h"
@@ -184,8 +183,7 @@ struct Spread {
   std::uint64_t seed = 1;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Spread>) {
+constexpr void describe(auto& v, Of<Spread>) {
   v.member("design", &Spread::design, {.text = "arrangement of points; list with `points`"});
   v.member("n", &Spread::n,
            in_range({1, kMaxSweepPoints}, "",

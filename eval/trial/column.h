@@ -11,7 +11,6 @@ namespace moma {
 /// The better end of a metric's range, if it has one by itself.
 enum class Better { kNeither, kHigh, kLow };
 constexpr auto words(Of<Better>) { return std::to_array<std::string_view>({"", "high", "low"}); }
-static_assert(all_worded<Better>());
 
 /// Value of rows that were stored before the column existed.
 enum class Earlier {
@@ -67,6 +66,14 @@ struct Column {
 /// A metric of the report page.
 constexpr Column metric(std::string_view label, std::string_view unit, Better better, std::string_view text) {
   return {.label = label, .unit = unit, .better = better, .text = text};
+}
+/// One that is a count.
+constexpr Column count_metric(std::string_view label, Better better, std::string_view text) {
+  return metric(label, "", better, text).with_decimals(0);
+}
+/// A duration on the wall clock.
+constexpr Column microseconds(std::string_view label, std::string_view text) {
+  return metric(label, "µs", Better::kLow, text).with_decimals(1);
 }
 
 }  // namespace moma

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
@@ -14,7 +13,7 @@ class TrialKeys {
  public:
   explicit TrialKeys(const TrialSpec& spec);
   /// `world_identity`: Worlds::identity(index).
-  std::string key(const nlohmann::ordered_json& world_identity) const;
+  std::string key(const Json& world_identity) const;
 
  private:
   std::string spec_digest_;
@@ -24,6 +23,6 @@ class TrialKeys {
 std::string digest_hex(std::string_view text);
 
 /// Digest of the canonical form of `json`: keys sorted, no spaces, numbers in their shortest exact form.
-std::string canonical_digest(const nlohmann::ordered_json& json);
+std::string canonical_digest(const Json& json);
 
 }  // namespace moma

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "controller/model/manipulability.h"
 #include "world/draws.h"
@@ -75,8 +74,8 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
   }
   proximity_.set_objects(told_);
   object_states(world_, 0.0, objects_);
-  objects_move_ = std::any_of(world_.objects.begin(), world_.objects.end(),
-                              [](const WorldObject& object) { return !at_rest(object.motion, 0.0); });
+  objects_move_ =
+      std::ranges::any_of(world_.objects, [](const WorldObject& object) { return !at_rest(object.motion, 0.0); });
   const Disturbances& disturbances = spec_.disturbances;
   if (senses_with_errors(disturbances)) {
     sensing_.emplace(disturbances, *spec.robot->model, world_, period_);
@@ -354,14 +353,15 @@ bool TrialLoop::ends() {
 
 bool TrialLoop::all_at_rest() const {
   return (!goal_moves_ || at_rest(goal_of(world_, goal_index_).motion, time(k_))) &&
-         (!objects_move_ || std::all_of(world_.objects.begin(), world_.objects.end(),
-                                        [&](const WorldObject& object) { return at_rest(object.motion, time(k_)); }));
+         (!objects_move_ || std::ranges::all_of(world_.objects, [&](const WorldObject& object) {
+           return at_rest(object.motion, time(k_));
+         }));
 }
 
 std::string TrialLoop::joint_over_limit() const {
   const VectorX& q = plant_.state().q;
   for (int i = 0; i < model_.num_joints(); ++i) {
-    const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
+    const ControlledJoint& joint = model_.joint(i);
     if (q[i] < joint.lower - kJointLimitTolerance || q[i] > joint.upper + kJointLimitTolerance)
       return fmt::format("{} at {:.4g} is outside [{:.4g}, {:.4g}]", joint.name, q[i], joint.lower, joint.upper);
   }
@@ -373,18 +373,17 @@ std::string TrialLoop::situation() {
   const StateRecord& now = r_.states.back();
   std::string text = fmt::format("{:.3g} m and {:.3g} rad from the goal", now.position_error, now.orientation_error);
   const auto pairs = proximity_.query(kinematics_, objects_, {0.3, -1.0, -1.0});
-  const auto nearest = std::min_element(pairs.begin(), pairs.end(), [](const ProximityPair& a, const ProximityPair& b) {
-    return a.distance.d < b.distance.d;
-  });
+  const auto nearest = std::ranges::min_element(
+      pairs, [](const ProximityPair& a, const ProximityPair& b) { return a.distance.d < b.distance.d; });
   if (nearest != pairs.end()) {
-    text += fmt::format("; {} is {:.3g} m from {}", model_.shapes[static_cast<std::size_t>(nearest->first)].name,
-                        nearest->distance.d, world_.objects[static_cast<std::size_t>(nearest->second)].name);
+    text += fmt::format("; {} is {:.3g} m from {}", model_.shape(nearest->first).name, nearest->distance.d,
+                        world_.objects[static_cast<std::size_t>(nearest->second)].name);
   }
   double margin = 0.1;  // rad or m; joints further inside are not mentioned
   std::string joint_text;
   const VectorX& q = plant_.state().q;
   for (int i = 0; i < model_.num_joints(); ++i) {
-    const ControlledJoint& joint = model_.joints[static_cast<std::size_t>(i)];
+    const ControlledJoint& joint = model_.joint(i);
     const double inside = std::min(q[i] - joint.lower, joint.upper - q[i]);
     if (inside >= margin) continue;
     margin = inside;

@@ -27,7 +27,7 @@ void time_summary(std::vector<double> seconds, double& median_us, double& p99_us
   if (seconds.empty()) return;
   median_us = 1e6 * quantile(seconds, 0.5);
   p99_us = 1e6 * quantile(seconds, 0.99);
-  max_us = 1e6 * *std::max_element(seconds.begin(), seconds.end());
+  max_us = 1e6 * *std::ranges::max_element(seconds);
 }
 
 void measure_states(const Recording& r, TrialRow& row) {
@@ -64,7 +64,7 @@ void measure_configurations(const Recording& r, const RobotModel& model, TrialRo
   double margin = kInfinity;
   for (std::size_t k = 0; k < n; ++k) {
     for (int i = 0; i < model.num_joints(); ++i) {
-      const ControlledJoint& joint = model.joints[static_cast<std::size_t>(i)];
+      const ControlledJoint& joint = model.joint(i);
       margin = std::min({margin, q(k)[i] - joint.lower, joint.upper - q(k)[i]});
     }
     if (k > 0) row.path_base_m += (base(k) - base(k - 1)).head<2>().norm();
@@ -162,8 +162,8 @@ TrialRow measure(const Recording& r, const RobotModel& model) {
   TrialRow::Timing& timing = row.timing;
   time_summary(r.step_seconds, timing.t_step_median_us, timing.t_step_p99_us, timing.t_step_max_us);
   time_summary(r.solve_seconds, timing.t_solve_median_us, timing.t_solve_p99_us, timing.t_solve_max_us);
-  timing.deadline_misses = static_cast<int>(
-      std::count_if(r.step_seconds.begin(), r.step_seconds.end(), [&](double s) { return s > r.control_period; }));
+  timing.deadline_misses =
+      static_cast<int>(std::ranges::count_if(r.step_seconds, [&](double s) { return s > r.control_period; }));
   return row;
 }
 

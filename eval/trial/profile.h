@@ -34,7 +34,6 @@ constexpr auto words(Of<TrialPart>) {
                                           "rows", "solve", "safety", "look-ahead", "plant, rest", "ODE collide",
                                           "ODE step", "metrics", "store"});
 }
-static_assert(all_worded<TrialPart>());
 
 /// Wall time of trials by parts. Never a part of a row, a key or a comparison.
 struct Profile {

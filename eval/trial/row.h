@@ -28,7 +28,6 @@ constexpr auto words(Of<Outcome>) {
   return std::to_array<std::string_view>({"success", "collision", "timeout", "stuck", "joint_limit", "tipped",
                                           "infeasible", "diverged", "spilled", "error"});
 }
-static_assert(all_worded<Outcome>());
 
 constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();  // NULL in the store
 
@@ -97,11 +96,13 @@ struct TrialRow {
   } timing;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<TrialRow>) {
+constexpr void describe(auto& v, Of<TrialRow>) {
   using R = TrialRow;
   using enum Better;
   using enum Earlier;
+  const auto later = [&v](auto name, auto member, const Column& about) {
+    v.member(name, member, about.since(kUnknown));
+  };
   v.member("outcome", &R::outcome, Column{.text = "end of the trial"});
   v.member("reason", &R::reason, Column{.text = "description for a person; the exception's text for `error`"});
   v.member("link", &R::link, Column{.text = "link of the robot in contact (`collision` only)"});
@@ -159,7 +160,7 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
   v.member("limit_margin_min", &R::limit_margin_min,
            metric("least joint-limit margin", "rad or m", kHigh, "least distance of a joint to its limit"));
   v.member("collision_count", &R::collision_count,
-           metric("pairs in contact", "", kLow, "pairs in contact at the end").with_decimals(0));
+           count_metric("pairs in contact", kLow, "pairs in contact at the end"));
   v.member("collision_time_s", &R::collision_time_s,
            metric("time of collision", "s", kNeither, "time of the first contact")
                .with_decimals(2)
@@ -180,23 +181,20 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
            metric("command change, mean", "", kLow, "mean over steps of the largest |change| / limit")
                .in_table("Change")
                .shown_as({.place = 5, .summary = "mean change", .compared = true, .judged = true}));
-  v.member("time_bound_s", &R::time_bound_s,
-           metric("time bound", "s", kNeither,
-                  "least time found from rest to rest at the goal for the robot alone, without objects and controller")
-               .with_decimals(2)
-               .absent("unless the world has one fixed pose as its goal")
-               .since(kUnknown));
-  v.member("times_bound", &R::times_bound,
-           metric("times the bound, mean", "", kLow, "time_to_goal_s / time_bound_s")
-               .with_decimals(2)
-               .absent("unless the trial succeeds and has a time bound")
-               .since(kUnknown)
-               .in_table("x bound")
-               .shown_as({.place = 2, .summary = "mean times bound"}));
-  v.member("acceleration_max", &R::acceleration_max,
-           metric("acceleration of the joints, greatest", "rad/s²", kLow,
-                  "greatest change of a joint's command over the control period")
-               .since(kUnknown));
+  later("time_bound_s", &R::time_bound_s,
+        metric("time bound", "s", kNeither,
+               "least time found from rest to rest at the goal for the robot alone, without objects and controller")
+            .with_decimals(2)
+            .absent("unless the world has one fixed pose as its goal"));
+  later("times_bound", &R::times_bound,
+        metric("times the bound, mean", "", kLow, "time_to_goal_s / time_bound_s")
+            .with_decimals(2)
+            .absent("unless the trial succeeds and has a time bound")
+            .in_table("x bound")
+            .shown_as({.place = 2, .summary = "mean times bound"}));
+  later("acceleration_max", &R::acceleration_max,
+        metric("acceleration of the joints, greatest", "rad/s²", kLow,
+               "greatest change of a joint's command over the control period"));
   v.member("energy_j", &R::energy_j,
            metric("energy", "J", kLow, "integral of |torque x speed| over all motors").absent("in kinematic mode"));
   v.member("slack_mean", &R::slack_mean, metric("slack, mean", "", kLow, "length of the QP's slack, mean over steps"));
@@ -204,78 +202,61 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
   v.member("active_rows_mean", &R::active_rows_mean,
            metric("active constraints, mean", "", kNeither, "active rows of the QP, mean over steps").with_decimals(2));
   v.member("qp_infeasible", &R::qp_infeasible,
-           metric("infeasible steps", "", kLow, "steps whose QP had no solution").with_decimals(0));
-  v.member(
-      "fallback_no_acceleration", &R::fallback_no_acceleration,
-      metric("steps without acceleration bounds", "", kLow, "steps that fell back to a QP without acceleration bounds")
-          .with_decimals(0));
-  v.member(
-      "fallback_relaxed", &R::fallback_relaxed,
-      metric("steps with relaxed rows", "", kLow, "steps that fell back to a QP with relaxed rows").with_decimals(0));
-  v.member("fallback_brake", &R::fallback_brake,
-           metric("braking steps", "", kLow, "steps that could only brake").with_decimals(0));
+           count_metric("infeasible steps", kLow, "steps whose QP had no solution"));
+  v.member("fallback_no_acceleration", &R::fallback_no_acceleration,
+           count_metric("steps without acceleration bounds", kLow,
+                        "steps that fell back to a QP without acceleration bounds"));
+  v.member("fallback_relaxed", &R::fallback_relaxed,
+           count_metric("steps with relaxed rows", kLow, "steps that fell back to a QP with relaxed rows"));
+  v.member("fallback_brake", &R::fallback_brake, count_metric("braking steps", kLow, "steps that could only brake"));
   v.member("slip_max_m_s", &R::slip_max_m_s,
            metric("wheel slip, greatest", "m/s", kLow, "greatest slip of a wheel (`dynamic` with wheels only)"));
-  v.member("latency_base_s", &R::latency_base_s,
-           metric("latency of the base, as found", "s", kNeither,
-                  "identified time from a command of the base to the measurement of its velocity")
-               .absent("unless the controller identifies it (`prediction.identify`) on a mobile base")
-               .since(kUnknown));
-  v.member("latency_base_off_s", &R::latency_base_off_s,
-           metric("latency of the base, found less configured", "s", kNeither,
-                  "difference from the controller's `prediction`")
-               .absent("as latency_base_s")
-               .since(kUnknown));
-  v.member("latency_joints_s", &R::latency_joints_s,
-           metric("latency of the joints, as found", "s", kNeither, "the same for the joints")
-               .absent("unless the controller identifies it (`prediction.identify`)")
-               .since(kUnknown));
-  v.member("latency_joints_off_s", &R::latency_joints_off_s,
-           metric("latency of the joints, found less configured", "s", kNeither,
-                  "difference from the controller's `prediction`")
-               .absent("as latency_joints_s")
-               .since(kUnknown));
-  v.member("separation_margin_min_m", &R::separation_margin_min_m,
-           metric("least margin of the separation", "m", kHigh,
-                  "least distance minus protective separation distance, over all moving objects")
-               .absent("in a world where nothing moves")
-               .since(kUnknown));
+  later("latency_base_s", &R::latency_base_s,
+        metric("latency of the base, as found", "s", kNeither,
+               "identified time from a command of the base to the measurement of its velocity")
+            .absent("unless the controller identifies it (`prediction.identify`) on a mobile base"));
+  later("latency_base_off_s", &R::latency_base_off_s,
+        metric("latency of the base, found less configured", "s", kNeither,
+               "difference from the controller's `prediction`")
+            .absent("as latency_base_s"));
+  later("latency_joints_s", &R::latency_joints_s,
+        metric("latency of the joints, as found", "s", kNeither, "the same for the joints")
+            .absent("unless the controller identifies it (`prediction.identify`)"));
+  later("latency_joints_off_s", &R::latency_joints_off_s,
+        metric("latency of the joints, found less configured", "s", kNeither,
+               "difference from the controller's `prediction`")
+            .absent("as latency_joints_s"));
+  later("separation_margin_min_m", &R::separation_margin_min_m,
+        metric("least margin of the separation", "m", kHigh,
+               "least distance minus protective separation distance, over all moving objects")
+            .absent("in a world where nothing moves"));
   v.member("tracking_error_rms", &R::tracking_error_rms,
            metric("tracking error, RMS", "m", kLow, "root mean square of the distance to a moving goal"));
   v.member("lcp_messages", &R::lcp_messages,
-           metric("messages of the physics solver", "", kLow, "warnings of ODE's contact solver").with_decimals(0));
-  v.member(
-      "redone_steps", &R::redone_steps,
-      metric("physics steps at a motor's limit", "", kLow, "physics steps repeated because a motor exceeded its limit")
-          .with_decimals(0)
-          .absent("in kinematic mode")
-          .since(kUnknown));
-  v.member(
+           count_metric("messages of the physics solver", kLow, "warnings of ODE's contact solver"));
+  later("redone_steps", &R::redone_steps,
+        count_metric("physics steps at a motor's limit", kLow,
+                     "physics steps repeated because a motor exceeded its limit")
+            .absent("in kinematic mode"));
+  later(
       "divided_steps", &R::divided_steps,
-      metric("physics steps divided near contact", "", kNeither, "physics steps divided because of possible contacts")
-          .with_decimals(0)
-          .absent("in kinematic mode")
-          .since(kUnknown));
-  v.member("steps", &R::steps, metric("control steps", "", kNeither, "control steps").with_decimals(0));
+      count_metric("physics steps divided near contact", kNeither, "physics steps divided because of possible contacts")
+          .absent("in kinematic mode"));
+  v.member("steps", &R::steps, count_metric("control steps", kNeither, "control steps"));
   v.member("detector_checks", &R::detector_checks,
-           metric("states in which contacts were cross-checked", "", kNeither,
-                  "states in which ODE's contacts were compared with the distance library's")
-               .with_decimals(0)
+           count_metric("states in which contacts were cross-checked", kNeither,
+                        "states in which ODE's contacts were compared with the distance library's")
                .since(kZero));
   v.member("detector_disagreements", &R::detector_disagreements,
-           metric("disagreements of the contact detectors", "", kLow,
-                  "pairs in these states that touch for one detector alone")
-               .with_decimals(0)
+           count_metric("disagreements of the contact detectors", kLow,
+                        "pairs in these states that touch for one detector alone")
                .since(kZero));
   v.member("detector_deepest_m", &R::detector_deepest_m,
            metric("deepest disagreement of the contact detectors", "m", kLow, "largest depth of such a pair")
                .with_decimals(6)
                .since(kZero));
-  v.member("goals_reached", &R::goals_reached,
-           metric("goals reached", "", kHigh, "number of goals reached")
-               .with_decimals(0)
-               .absent("in a world of one goal")
-               .since(kUnknown));
+  later("goals_reached", &R::goals_reached,
+        count_metric("goals reached", kHigh, "number of goals reached").absent("in a world of one goal"));
   v.member("goals", &R::goals,
            Column{.earlier = kUnknown,
                   .text = "JSON, for each goal reached: `time_s` of its start of the dwell, `clearance_m` on the way "
@@ -295,30 +276,24 @@ constexpr void describe(Visitor& v, Of<TrialRow>) {
   phase("phase_turning_s", &R::phase_turning_s, "time turning",
         "time within the tolerance of the position and beyond that of the orientation");
   phase("phase_dwell_s", &R::phase_dwell_s, "time within tolerance", "time within both tolerances");
-  v.member("tilt_max_rad", &R::tilt_max_rad,
-           metric("tilt of the tool, greatest", "rad", kLow, "greatest angle between the tool's axis and the vertical")
-               .absent("unless the world asks for an upright tool")
-               .since(kUnknown));
+  later("tilt_max_rad", &R::tilt_max_rad,
+        metric("tilt of the tool, greatest", "rad", kLow, "greatest angle between the tool's axis and the vertical")
+            .absent("unless the world asks for an upright tool"));
   v.inlined(&R::timing);
 }
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<TrialRow::Timing>) {
+constexpr void describe(auto& v, Of<TrialRow::Timing>) {
   using T = TrialRow::Timing;
   using enum Better;
   v.member("t_solve_median_us", &T::t_solve_median_us,
-           metric("QP solution, median", "µs", kLow, "time of the QP's solution in a step, median").with_decimals(1));
-  v.member("t_solve_p99_us", &T::t_solve_p99_us,
-           metric("QP solution, 99th percentile", "µs", kLow, "99th percentile").with_decimals(1));
-  v.member("t_solve_max_us", &T::t_solve_max_us,
-           metric("QP solution, longest", "µs", kLow, "longest time").with_decimals(1));
+           microseconds("QP solution, median", "time of the QP's solution in a step, median"));
+  v.member("t_solve_p99_us", &T::t_solve_p99_us, microseconds("QP solution, 99th percentile", "99th percentile"));
+  v.member("t_solve_max_us", &T::t_solve_max_us, microseconds("QP solution, longest", "longest time"));
   v.member("t_step_median_us", &T::t_step_median_us,
-           metric("control step, median", "µs", kLow, "time of a whole control step, median").with_decimals(1));
-  v.member(
-      "t_step_p99_us", &T::t_step_p99_us,
-      metric("control step, 99th percentile", "µs", kLow, "its 99th percentile").with_decimals(1).in_table("Step p99"));
-  v.member("t_step_max_us", &T::t_step_max_us,
-           metric("control step, longest", "µs", kLow, "longest time").with_decimals(1));
+           microseconds("control step, median", "time of a whole control step, median"));
+  v.member("t_step_p99_us", &T::t_step_p99_us,
+           microseconds("control step, 99th percentile", "its 99th percentile").in_table("Step p99"));
+  v.member("t_step_max_us", &T::t_step_max_us, microseconds("control step, longest", "longest time"));
   v.member("t_trial_us", &T::t_trial_us,
            metric("whole trial, wall time", "µs", kLow, "wall time of the whole trial").with_decimals(0));
   v.member("deadline_misses", &T::deadline_misses,

@@ -38,8 +38,7 @@ struct SampleColumn {
   constexpr operator About() const { return {.unit = unit, .text = text}; }  // NOLINT(google-explicit-constructor)
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<Sample>) {
+constexpr void describe(auto& v, Of<Sample>) {
   using S = Sample;
   v.member("t", &S::t, SampleColumn{.unit = "s", .text = "time since the start"});
   v.member("base", &S::base,

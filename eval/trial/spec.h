@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "controller/config/robot_file.h"
@@ -21,17 +20,15 @@ struct SuccessRule {
   double l1 = kInfinity;      ///< [m + rad]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<SuccessRule>) {
+constexpr void describe(auto& v, Of<SuccessRule>) {
   using T = SuccessRule;
   v.member("position", &T::position, in_range({0.0, 10.0, true, false}, "m", "tolerance of success"));
   v.member("orientation", &T::orientation, in_range({0.0, 3.15, true, false}, "rad", "tolerance of success"));
   v.member("dwell", &T::dwell, in_range({0.0, 3600.0}, "s", "time within both tolerances"));
   v.member("l1", &T::l1,
-           {.unit = "m + rad",
-            .range = Range::positive_or_inf(),
-            .written = Written::kUnlessDefault,
-            .text = "additional tolerance of |x| + |y| + |z| + |roll| + |pitch| + |yaw| of the goal as seen from E"});
+           unless_default(in_range(
+               Range::positive_or_inf(), "m + rad",
+               "additional tolerance of |x| + |y| + |z| + |roll| + |pitch| + |yaw| of the goal as seen from E")));
 }
 
 struct StillRule {
@@ -40,8 +37,7 @@ struct StillRule {
   bool operator==(const StillRule&) const = default;
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<StillRule>) {
+constexpr void describe(auto& v, Of<StillRule>) {
   using T = StillRule;
   v.member("time", &T::time,
            in_range(Range::positive_or_inf(), "s",
@@ -58,20 +54,17 @@ struct StuckRule {
   StillRule disturbed{4.0, 0.005};
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<StuckRule>) {
+constexpr void describe(auto& v, Of<StuckRule>) {
   v.inlined(&StuckRule::ends);
-  v.member(
-      "disturbed", &StuckRule::disturbed,
-      {.written = Written::kUnlessDefault, .text = "the same where disturbances are on, between means over halves"});
+  v.member("disturbed", &StuckRule::disturbed,
+           unless_default({.text = "the same where disturbances are on, between means over halves"}));
 }
 
 struct InfeasibleRule {
   double time = 0.5;  ///< [s]
 };
 
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<InfeasibleRule>) {
+constexpr void describe(auto& v, Of<InfeasibleRule>) {
   v.member("time", &InfeasibleRule::time,
            in_range(Range::positive_or_inf(), "s", "time of uninterrupted braking after which a trial is infeasible"));
 }
@@ -85,7 +78,7 @@ struct TrialSpec {
   std::shared_ptr<const Plugin> plugin;  ///< with `method: plugin`: replaces controller_params
   /// All parameters. For a plugin the digest of its library and the parameters passed to it, not the path: trials are
   /// recognised wherever the library is.
-  nlohmann::ordered_json controller_resolved;
+  Json controller_resolved;
   SimulationConfig simulation;
   SuccessRule success;
   StuckRule stuck;

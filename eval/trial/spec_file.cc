@@ -57,9 +57,9 @@ InfeasibleRule read_infeasible(const Node& node, const std::string& key) {
   return infeasible;
 }
 
-nlohmann::ordered_json to_json(const SimulationConfig& simulation) { return config::write_described(simulation); }
-nlohmann::ordered_json to_json(const SuccessRule& success) { return config::write_described(success); }
-nlohmann::ordered_json to_json(const StuckRule& stuck) { return config::write_described(stuck); }
-nlohmann::ordered_json to_json(const InfeasibleRule& infeasible) { return config::write_described(infeasible); }
+Json to_json(const SimulationConfig& simulation) { return config::write_described(simulation); }
+Json to_json(const SuccessRule& success) { return config::write_described(success); }
+Json to_json(const StuckRule& stuck) { return config::write_described(stuck); }
+Json to_json(const InfeasibleRule& infeasible) { return config::write_described(infeasible); }
 
 }  // namespace moma

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "controller/config/json.h"
 #include "controller/config/node.h"
 #include "eval/trial/spec.h"
 
@@ -18,9 +18,9 @@ SuccessRule read_success(const config::Node& node, const std::string& key, const
 StuckRule read_stuck(const config::Node& node, const std::string& key, const SimulationConfig& simulation);
 InfeasibleRule read_infeasible(const config::Node& node, const std::string& key);
 
-nlohmann::ordered_json to_json(const SimulationConfig& simulation);
-nlohmann::ordered_json to_json(const SuccessRule& success);
-nlohmann::ordered_json to_json(const StuckRule& stuck);
-nlohmann::ordered_json to_json(const InfeasibleRule& infeasible);
+Json to_json(const SimulationConfig& simulation);
+Json to_json(const SuccessRule& success);
+Json to_json(const StuckRule& stuck);
+Json to_json(const InfeasibleRule& infeasible);
 
 }  // namespace moma

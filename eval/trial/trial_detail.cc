@@ -1,14 +1,19 @@
 #include "eval/trial/trial_detail.h"
 
 #include <fmt/format.h>
-
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
+#include <type_traits>
 
+#include "controller/config/write_described.h"
 #include "controller/controller_core.h"
-#include "eval/trial/trial.h"
+#include "eval/trial/spec_file.h"
+#include "world/sensing/disturbances_file.h"
+#include "world/world_json.h"
 
 namespace moma {
+
 namespace {
 
 /// One of moma's controllers, recorded before a step: its observation and memory.
@@ -97,7 +102,7 @@ class RowWitness final : public StepController {
   std::string_view failure() const noexcept override { return controller_.failure(); }
 
  private:
-  int link_of(int shape) const { return controller_.model().shapes[static_cast<std::size_t>(shape)].link; }
+  int link_of(int shape) const { return controller_.model().shape(shape).link; }
 
   void note(double t, bool solved) {
     const QpProblem problem = controller_.final_problem();
@@ -127,6 +132,48 @@ TrialOutput run_trial(const TrialSpec& spec, const World& world, TrialRows& rows
   if (spec.plugin == nullptr)
     parts.controller = [&](const TrialSpec& p) { return std::make_unique<RowWitness>(p, rows); };
   return run_trial(spec, world, parts);
+}
+
+namespace {
+
+Json sample_json(const Sample& sample) {
+  Json json = Json::object();
+  for_members<Sample>([&]<class M>(std::string_view name, M Sample::*member, const SampleColumn&) {
+    const M& value = sample.*member;
+    Json& out = json[std::string(name)];
+    if constexpr (std::is_same_v<M, double>) {
+      out = config::number_or_word(value);
+    } else if constexpr (std::is_arithmetic_v<M>) {
+      out = value;
+    } else if constexpr (std::is_enum_v<M>) {
+      out = to_string(value);
+    } else if constexpr (Described<M>) {
+      out = config::write_described(value);
+    } else {
+      out = Json::array();
+      for (const double x : value) out.push_back(config::number_or_word(x));
+    }
+  });
+  return json;
+}
+
+}  // namespace
+
+Json trace_json(const TrialSpec& spec, const World& world, const TrialOutput& output, const std::string& trial) {
+  Json json = Json::object();
+  json["trial"] = trial;
+  json["outcome"] = to_string(output.row.outcome);
+  json["robot"] = spec.robot->resolved;
+  json["success"] = to_json(spec.success);
+  json["stuck"] = to_json(spec.stuck);
+  json["infeasible"] = to_json(spec.infeasible);
+  json["controller"] = spec.controller_resolved;
+  json["world"] = to_json(world);
+  json["simulation"] = to_json(spec.simulation);
+  if (any(spec.disturbances)) json["disturbances"] = to_json(spec.disturbances);
+  Json& samples = json["samples"] = Json::array();
+  for (const Sample& sample : output.trace) samples.push_back(sample_json(sample));
+  return json;
 }
 
 }  // namespace moma

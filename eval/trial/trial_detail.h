@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "controller/case/case_file.h"
+#include "controller/config/json.h"
 #include "controller/qp/problem.h"
 #include "eval/trial/trial.h"
 
@@ -31,5 +32,10 @@ struct TrialRows {
 /// Simulates a trial as run_trial() does, and writes down the rows of its controller. None of a controller that poses
 /// no QP, or is a plugin.
 TrialOutput run_trial(const TrialSpec& spec, const World& world, TrialRows& rows);
+
+/// The trace file of `moma replay --json`: the inputs (robot, controller, world, simulation, rules, all resolved), the
+/// outcome, and one sample per control step, with the state before the step's command acts. Infinities are the strings
+/// "inf" and "-inf". `trial` is the short form of the key in messages.
+Json trace_json(const TrialSpec& spec, const World& world, const TrialOutput& output, const std::string& trial);
 
 }  // namespace moma

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 
-#include "eval/stats/comparison.h"
+#include "controller/config/paths.h"
+#include "controller/describe/enumeration.h"
 #include "eval/store/columns.h"
 #include "eval/suite/resolve.h"
 #include "eval/suite/sweep.h"
@@ -17,14 +17,13 @@ namespace {
 
 // Label of a part of a mixture: "robot=tiago".
 std::string part_name(const Overrides& part) {
-  std::string name;
-  for (const auto& [key, text] : part) {
-    std::string value = text;
-    value.erase(std::remove(value.begin(), value.end(), '"'), value.end());
-    if (value.ends_with(".yaml")) value = std::filesystem::path(value).stem().string();
-    name += fmt::format("{}{}={}", name.empty() ? "" : " ", short_key(key), value);
-  }
-  return name;
+  const auto text = [](const auto& of) {
+    std::string value = of.second;
+    std::erase(value, '"');
+    if (value.ends_with(".yaml")) value = fs::path(value).stem().string();
+    return fmt::format("{}={}", short_key(of.first), value);
+  };
+  return joined(part, text, " ");
 }
 
 }  // namespace
@@ -52,10 +51,9 @@ HeldOut make_held_out(const Tuning& given, const Candidate& found) {
   const auto add = [&](SuitePoint point, std::size_t part, const std::string& name) {
     point.controller = name;
     point.label = many ? held_out.part_names[part] : "";
-    point.params = nlohmann::ordered_json::object();
+    point.params = Json::object();
     if (many) {
-      for (const auto& [key, text] : config.mixture[part])
-        point.params[key] = nlohmann::ordered_json::parse(text, nullptr, false);
+      for (const auto& [key, text] : config.mixture[part]) point.params[key] = Json::parse(text, nullptr, false);
     }
     held_out.suite.points.push_back(std::move(point));
     held_out.part.push_back(part);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "controller/config/node.h"
 #include "controller/model/kinematics.h"

@@ -45,7 +45,7 @@ class TrialObjective : public Objective {
   std::vector<SuitePoint> made_;
   bool made_valid_ = false;
   std::vector<TrialCost::Scale> scales_;
-  std::vector<std::unordered_map<std::uint64_t, nlohmann::ordered_json>> identities_;  ///< per part
+  std::vector<std::unordered_map<std::uint64_t, Json>> identities_;  ///< per part
   std::mutex mutex_;
   std::vector<std::unordered_map<std::uint64_t, std::shared_ptr<const World>>> worlds_;  ///< per part
   TrialCounts counts_;

@@ -15,7 +15,6 @@ namespace {
 using config::ConfigError;
 using config::MapReader;
 using config::Node;
-using config::Range;
 
 constexpr long long kMost = 100'000'000;
 constexpr long long kMostBudget = 1'000'000'000;
@@ -149,8 +148,8 @@ std::vector<MetricBound> read_bounds(const Node* node) {
 // The default objective weighs success against other costs; this constraint prevents it from giving up success.
 void keep_success(TuneConfig& tune) {
   const Metric success = Metric::find(to_string(Outcome::kSuccess));
-  const bool told = std::any_of(tune.bounds.begin(), tune.bounds.end(),
-                                [&](const MetricBound& bound) { return bound.metric.name() == success.name(); });
+  const bool told =
+      std::ranges::any_of(tune.bounds, [&](const MetricBound& bound) { return bound.metric.name() == success.name(); });
   if (tune.cost.standard() && !told) tune.bounds.push_back({success, true, {}, {}});
 }
 
@@ -209,9 +208,7 @@ std::vector<Overrides> read_mixture(const Node* node) {
       // A file is relative to the suite that names it.
       const bool file = value.kind == Node::Kind::kScalar &&
                         (name == "robot" || name == "worlds.frozen" || value.scalar.ends_with(".yaml"));
-      if (file)
-        text =
-            nlohmann::json(std::filesystem::absolute(config::directory_of(value.mark) / value.scalar).string()).dump();
+      if (file) text = nlohmann::json(fs::absolute(config::directory_of(value.mark) / value.scalar).string()).dump();
       part.emplace_back(name, text);
     }
     mixture.push_back(std::move(part));
@@ -237,7 +234,7 @@ void read_budget(const Reading& r) {
 void read_controller_name(const Reading& r) {
   r.tune.controller = r.controllers.empty() ? "" : r.controllers.front();
   if (r.node != nullptr) r.tune.controller = config::read_string(*r.node, "tune.controller");
-  if (std::find(r.controllers.begin(), r.controllers.end(), r.tune.controller) == r.controllers.end()) {
+  if (std::ranges::find(r.controllers, r.tune.controller) == r.controllers.end()) {
     config::fail(
         r.node != nullptr ? r.node->mark : r.section.mark, "tune.controller",
         fmt::format("the suite has no controller '{}'; it has {}", r.tune.controller, fmt::join(r.controllers, ", ")));

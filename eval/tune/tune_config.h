@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "controller/config/json.h"
 #include "controller/config/node.h"
 #include "controller/describe/describe.h"
 #include "controller/describe/keys.h"
@@ -42,15 +41,14 @@ struct TuneConfig {
   Racing racing;
   Confirmation confirmation;
   SensitivitySettings sensitivity;
-  std::filesystem::path output;  ///< empty: chosen by the command
+  fs::path output;  ///< empty: chosen by the command
   config::Mark mark;
   config::Mark held_out_mark;
-  nlohmann::ordered_json written;  ///< the section as written in the file
+  Json written;  ///< the section as written in the file
 };
 
 /// Numbers, words and maps of them; the other keys have readers of their own.
-template <class Visitor>
-constexpr void describe(Visitor& v, Of<TuneConfig>) {
+constexpr void describe(auto& v, Of<TuneConfig>) {
   using T = TuneConfig;
   v.member("seed", &T::seed, {.text = "seed of the search's random draws"});
   v.member("starts", &T::starts, in_range({1, 1000}, "", "independent searches that share the budget"));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "controller/config/yaml_text.h"
+#include "controller/describe/enumeration.h"
 #include "eval/suite/sweep.h"
 
 namespace moma::tune {
@@ -51,9 +52,7 @@ std::string gains_table(const Tuning& tuning, const SearchResult& result) {
 
 std::string plan_text(const Tuning& tuning) {
   const TuneConfig& c = tuning.config;
-  std::string algorithms;
-  for (const AlgorithmInfo* algorithm : c.plan.empty() ? default_plan() : c.plan)
-    algorithms += (algorithms.empty() ? "" : ", then ") + std::string(algorithm->name);
+  const std::string algorithms = joined(c.plan.empty() ? default_plan() : c.plan, &AlgorithmInfo::name, ", then ");
   return fmt::format(
       "tuning {} over {} gains by {}: {} trials at most, {} worlds{} per candidate; then {} held-out worlds",
       c.controller, c.variables.size(), algorithms, c.budget, c.worlds.count,

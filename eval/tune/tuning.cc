@@ -1,25 +1,20 @@
 #include "eval/tune/tuning.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
-#include "eval/suite/controller_entry.h"
-#include "eval/suite/suite.h"
-#include "eval/suite/sweep.h"
+#include "eval/suite/resolve.h"
 #include "eval/trial/trial.h"
 
 namespace moma::tune {
+
 namespace {
 
-namespace fs = std::filesystem;
 using config::ConfigError;
 using config::Node;
-using nlohmann::ordered_json;
 
 // Raised by hand when the search takes another path for the same settings: stored searches of before are not resumed.
 constexpr int kSearchVersion = 3;
@@ -47,13 +42,13 @@ double present_value(const Node& resolved, const std::string& key, const config:
                      const std::string& full_key) {
   const Node* node = descend(resolved, key);
   if (node != nullptr && node->kind == Node::Kind::kSequence && !node->items.empty()) {
-    const bool equal = std::all_of(node->items.begin(), node->items.end(),
-                                   [&](const Node& item) { return item.scalar == node->items.front().scalar; });
+    const bool equal =
+        std::ranges::all_of(node->items, [&](const Node& item) { return item.scalar == node->items.front().scalar; });
     node = equal ? &node->items.front() : nullptr;
   }
   if (node != nullptr && node->kind == Node::Kind::kScalar) {
     try {
-      const double value = config::read_number(*node, full_key, config::Range{-1e300, 1e300, false, false});
+      const double value = config::read_number(*node, full_key, Range{-1e300, 1e300, false, false});
       if (std::isfinite(value)) return value;
     } catch (const ConfigError&) {  // a word such as inverse_error
     }
@@ -79,8 +74,8 @@ std::vector<Suite> load_parts(const fs::path& file, const Overrides& overrides, 
 
 void find_tuned_points(Tuning& tuning) {
   for (const Suite& suite : tuning.suites) {
-    const auto found = std::find_if(suite.points.begin(), suite.points.end(),
-                                    [&](const SuitePoint& p) { return p.controller == tuning.config.controller; });
+    const auto found = std::ranges::find_if(
+        suite.points, [&](const SuitePoint& p) { return p.controller == tuning.config.controller; });
     if (found == suite.points.end())
       config::fail(tuning.config.mark, "tune.mixture",
                    fmt::format("a part has no controller '{}', which is tuned", tuning.config.controller));
@@ -178,8 +173,7 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
   find_tuned_points(tuning);
   for (const Suite& suite : tuning.suites) {
     for (const std::string& warning : suite.warnings) {
-      if (std::find(tuning.warnings.begin(), tuning.warnings.end(), warning) == tuning.warnings.end())
-        tuning.warnings.push_back(warning);
+      if (std::ranges::find(tuning.warnings, warning) == tuning.warnings.end()) tuning.warnings.push_back(warning);
     }
     if (tune.held_out_seed && *tune.held_out_seed == suite.points.front().worlds.seed()) check_held_out(tune);
   }
@@ -224,15 +218,15 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
 
   check_worlds(tuning);
   check_ends(tuning);
-  ordered_json path = tune.written;
+  Json path = tune.written;
   for (const char* key : {"held_out", "output"}) path.erase(key);  // they decide what comes after the search
   tuning.identity = {{"search_version", kSearchVersion},
                      {"simulation_version", kSimulationVersion},
                      {"tune", std::move(path)},
                      {"controller", tune.controller},
-                     {"suites", ordered_json::array()}};
+                     {"suites", Json::array()}};
   for (const Suite& suite : tuning.suites) {
-    ordered_json part = suite.resolved;
+    Json part = suite.resolved;
     part.erase("robot");
     part.erase("trials");
     part.erase("samples");
@@ -242,14 +236,14 @@ Tuning load_tuning(const fs::path& file, const Overrides& overrides) {
   return tuning;
 }
 
-Tuning stored_tuning(const ordered_json& identity, const ordered_json& held_out,
-                     const std::map<std::string, ordered_json>& robots, Plugins plugins) {
+Tuning stored_tuning(const Json& identity, const Json& held_out, const std::map<std::string, Json>& robots,
+                     Plugins plugins) {
   if (identity.at("search_version") != kSearchVersion || identity.at("simulation_version") != kSimulationVersion)
     throw NotStored("another version of moma made it");
   const auto& parts = identity.at("suites");
   std::vector<std::string> names;
   for (const auto& [name, controller] : parts.at(0).at("controllers").items()) names.push_back(name);
-  ordered_json section = identity.at("tune");
+  Json section = identity.at("tune");
   if (!held_out.is_null()) section["held_out"] = held_out;
   Tuning tuning;
   tuning.file = "stored search";
@@ -258,7 +252,7 @@ Tuning stored_tuning(const ordered_json& identity, const ordered_json& held_out,
   for (const Variable& v : tuning.config.variables)
     if (inner_key(v.key, tuning.config.controller).empty())
       throw NotStored(fmt::format("it varies {}, which only the suite's file can be read with", v.key));
-  for (ordered_json part : parts) {
+  for (Json part : parts) {
     const auto robot = robots.find(part.at("robot_digest").get<std::string>());
     if (robot == robots.end()) throw NotStored("a robot of it is not in the store");
     part.erase("robot_digest");
@@ -344,11 +338,46 @@ std::vector<SuitePoint> Points::from_suite(const Candidate& candidate) const {
       all.emplace_back(key, to_text(candidate[i]));
     }
     Suite suite = load_suite(tuning_.file, all);
-    const auto found = std::find_if(suite.points.begin(), suite.points.end(),
-                                    [&](const SuitePoint& p) { return p.controller == tuning_.config.controller; });
+    const auto found = std::ranges::find_if(
+        suite.points, [&](const SuitePoint& p) { return p.controller == tuning_.config.controller; });
     points.push_back(std::move(*found));
   }
   return points;
+}
+
+std::string objective_text(const Tuning& tuning) {
+  std::string text =
+      tuning.config.cost.standard()
+          ? "default: T + 5/3 L x command change + 1/6 L x manipulability lost; L = time limit, T = time to "
+            "goal, 2 L for a failure, 4 L for a collision"
+          : tuning.config.written["objective"].dump();
+  for (const MetricBound& bound : tuning.config.bounds) text += fmt::format("; {}", constraint_of(bound).name);
+  return text;
+}
+
+store::TuneSearchRecord search_record(const Tuning& tuning) {
+  store::TuneSearchRecord record;
+  record.suite = tuning.suites.front().name;
+  record.controller = tuning.config.controller;
+  record.identity = tuning.identity.dump();
+  record.objective = objective_text(tuning);
+  record.unit = tuning.config.cost.unit();
+  record.budget_trials = tuning.config.budget;
+  return record;
+}
+
+std::string held_out_json(const Tuning& tuning) {
+  const TuneConfig& config = tuning.config;
+  Json json = {{"first", config.held_out.first}, {"count", config.held_out.count}};
+  if (config.held_out_seed) json["seed"] = *config.held_out_seed;
+  return json.dump();
+}
+
+Suite searched_suite(const Tuning& tuning) {
+  Suite suite = tuning.suites.front();
+  suite.points = {suite.points[tuning.tuned_point.front()]};
+  suite.resolved = resolved_json(suite, false);
+  return suite;
 }
 
 }  // namespace moma::tune

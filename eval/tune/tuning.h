@@ -1,11 +1,12 @@
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "controller/config/paths.h"
+#include "eval/store/writer.h"
 #include "eval/suite/controller_entry.h"
 #include "eval/suite/suite.h"
 #include "eval/tune/tune_config.h"
@@ -15,20 +16,20 @@ namespace moma::tune {
 /// A suite with a `tune` section, everything read and checked: starts resolved, one loaded suite per part of the
 /// mixture, worlds in range.
 struct Tuning {
-  std::filesystem::path file;
+  fs::path file;
   Overrides overrides;
   TuneConfig config;
-  std::vector<Suite> suites;              ///< per part of the mixture, without any sweep
-  std::vector<Suite> held_out_suites;     ///< likewise, where the held-out worlds have a seed of their own
-  std::vector<std::size_t> tuned_point;   ///< per part: index of the tuned controller's point
-  config::Node controller;                ///< the tuned controller as written, its includes resolved
-  std::filesystem::path controller_file;  ///< file of the controller; the suite for an inline one
+  std::vector<Suite> suites;             ///< per part of the mixture, without any sweep
+  std::vector<Suite> held_out_suites;    ///< likewise, where the held-out worlds have a seed of their own
+  std::vector<std::size_t> tuned_point;  ///< per part: index of the tuned controller's point
+  config::Node controller;               ///< the tuned controller as written, its includes resolved
+  fs::path controller_file;              ///< file of the controller; the suite for an inline one
   std::vector<std::string> warnings;
-  nlohmann::ordered_json identity;  ///< all that decides the search's path: equal identities, equal bits
+  Json identity;  ///< all that decides the search's path: equal identities, equal bits
 };
 
 /// Reads SUITE. Throws config::ConfigError.
-Tuning load_tuning(const std::filesystem::path& file, const Overrides& overrides = {});
+Tuning load_tuning(const fs::path& file, const Overrides& overrides = {});
 
 /// The stored rows of a search do not suffice to rebuild its tuning; what() says why.
 class NotStored : public std::runtime_error {
@@ -38,8 +39,8 @@ class NotStored : public std::runtime_error {
 
 /// The tuning of a stored search, from columns `identity` and `held_out` (null: without a verdict). `robots`: resolved
 /// ones by their digests. Throws NotStored, PluginRefused, and others for what no moma writes.
-Tuning stored_tuning(const nlohmann::ordered_json& identity, const nlohmann::ordered_json& held_out,
-                     const std::map<std::string, nlohmann::ordered_json>& robots, Plugins plugins);
+Tuning stored_tuning(const Json& identity, const Json& held_out, const std::map<std::string, Json>& robots,
+                     Plugins plugins);
 
 /// Search settings of a tuning. A world of the search is (index, part): number index * parts + part.
 SearchSettings search_settings(const Tuning& tuning);
@@ -67,5 +68,17 @@ class Points {
   std::vector<std::string> inner_keys_;  ///< keys without "controller."
   bool only_controller_ = true;
 };
+
+/// The objective in words, for tables and the store.
+std::string objective_text(const Tuning& tuning);
+
+/// Returns the search's row of the table tune_search.
+store::TuneSearchRecord search_record(const Tuning& tuning);
+
+/// Column held_out of the verdict.
+std::string held_out_json(const Tuning& tuning);
+
+/// The suite whose row the search's invocation belongs to: the tuned controller's points only.
+Suite searched_suite(const Tuning& tuning);
 
 }  // namespace moma::tune

@@ -18,8 +18,6 @@
 namespace moma {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::string content_of(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error)) throw PluginError(fmt::format("no file {}", file.string()));

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
 
+#include "controller/config/paths.h"
 #include "plugin/moma_plugin.h"
 
 namespace moma {
@@ -31,16 +31,16 @@ struct PluginFunctions {
 
 /// A loaded shared library. It stays in the process for good: its threads and destructors may outlive any controller.
 struct PluginLibrary {
-  std::filesystem::path file;  ///< absolute
-  std::string digest;          ///< XXH3-128 of the file, 32 hex digits
+  fs::path file;       ///< absolute
+  std::string digest;  ///< XXH3-128 of the file, 32 hex digits
   PluginFunctions functions;
 };
 
 /// Loads a library and checks it: readable, a shared library, all functions there, made for this MOMA_PLUGIN_ABI, not
 /// rebuilt since the process loaded it. Throws PluginError.
-std::shared_ptr<const PluginLibrary> load_plugin(const std::filesystem::path& file);
+std::shared_ptr<const PluginLibrary> load_plugin(const fs::path& file);
 
 /// Returns the digest that identifies a plugin, without loading it. Throws PluginError if there is no such file.
-std::string plugin_digest(const std::filesystem::path& file);
+std::string plugin_digest(const fs::path& file);
 
 }  // namespace moma

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <span>
-#include <string_view>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -181,8 +181,8 @@ class PluginController final : public StepController {
 }  // namespace
 
 std::shared_ptr<const Plugin> Plugin::open(std::shared_ptr<const PluginLibrary> library,
-                                           std::shared_ptr<const config::LoadedRobot> robot,
-                                           const nlohmann::ordered_json& parameters, double control_period) {
+                                           std::shared_ptr<const config::LoadedRobot> robot, const Json& parameters,
+                                           double control_period) {
   std::shared_ptr<Plugin> plugin(new Plugin);
   plugin->library_ = std::move(library);
   plugin->robot_ = std::move(robot);

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include <memory>
-#include <string>
 #include <string_view>
 
 #include "controller/config/robot_file.h"
@@ -18,8 +15,8 @@ class Plugin : public std::enable_shared_from_this<Plugin> {
  public:
   /// Throws PluginError with what the plugin says where it refuses robot or parameters.
   static std::shared_ptr<const Plugin> open(std::shared_ptr<const PluginLibrary> library,
-                                            std::shared_ptr<const config::LoadedRobot> robot,
-                                            const nlohmann::ordered_json& parameters, double control_period);
+                                            std::shared_ptr<const config::LoadedRobot> robot, const Json& parameters,
+                                            double control_period);
   ~Plugin();
   Plugin(const Plugin&) = delete;
   Plugin& operator=(const Plugin&) = delete;

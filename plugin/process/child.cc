@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdint>
@@ -153,8 +152,8 @@ std::vector<char*> environment_of(const ProcessCommand& command, std::string& ma
   std::vector<char*> all;
   for (const std::string& entry : command.environment) all.push_back(const_cast<char*>(entry.c_str()));
   for (char** entry = environ; *entry != nullptr; ++entry) {
-    const bool replaced = std::any_of(command.environment.begin(), command.environment.end(),
-                                      [&](const std::string& own) { return name_of(own) == name_of(*entry); });
+    const bool replaced = std::ranges::any_of(command.environment,
+                                              [&](const std::string& own) { return name_of(own) == name_of(*entry); });
     if (!replaced) all.push_back(*entry);
   }
   all.push_back(mark.data());

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <compare>
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "controller/config/paths.h"
 #include "controller/describe/describe.h"
-#include "controller/describe/range.h"
 
 namespace moma {
 
@@ -32,9 +31,9 @@ constexpr void describe(auto& v, Of<ProcessLimits>) {
 struct ProcessCommand {
   /// The first is the program: where it has no '/' PATH is searched, else it is relative to `directory`.
   std::vector<std::string> arguments;
-  std::filesystem::path directory;           ///< absolute; where it works
-  std::vector<std::string> environment;      ///< NAME=VALUE, beside and instead of this process's own
-  std::vector<std::filesystem::path> files;  ///< absolute; the process may name more when it is ready
+  fs::path directory;                    ///< absolute; where it works
+  std::vector<std::string> environment;  ///< NAME=VALUE, beside and instead of this process's own
+  std::vector<fs::path> files;           ///< absolute; the process may name more when it is ready
   ProcessLimits limits;
 
   auto operator<=>(const ProcessCommand&) const = default;
@@ -42,7 +41,6 @@ struct ProcessCommand {
 
 /// Returns the command that runs a class of a Python file (docs/how-to/python-controller.md) with moma's runner. Its
 /// environment fixes the order of sets and the threads of linear algebra. The caller sets `limits` and further files.
-ProcessCommand python_command(const std::string& interpreter, const std::filesystem::path& file,
-                              const std::string& class_name);
+ProcessCommand python_command(const std::string& interpreter, const fs::path& file, const std::string& class_name);
 
 }  // namespace moma

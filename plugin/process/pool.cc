@@ -7,7 +7,6 @@
 #include "plugin/host/library.h"
 
 namespace moma {
-namespace fs = std::filesystem;
 
 std::shared_ptr<ProcessPool> ProcessPool::of(const ProcessCommand& command) {
   // The points of a sweep are read one by one and do not know each other; their shared pool lives as long as one

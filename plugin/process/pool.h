@@ -1,12 +1,12 @@
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include "controller/config/paths.h"
 #include "plugin/process/session.h"
 
 namespace moma {
@@ -32,7 +32,7 @@ class ProcessPool {
   void give_back(std::unique_ptr<Session> session) noexcept;
 
   /// Digest of each file that the processes are made of, by absolute path; known once one was taken.
-  std::map<std::filesystem::path, std::string> files() const;
+  std::map<fs::path, std::string> files() const;
 
  private:
   void check(const Session& session);
@@ -41,7 +41,7 @@ class ProcessPool {
   const ProcessCommand command_;
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Session>> idle_;
-  std::map<std::filesystem::path, std::string> files_;
+  std::map<fs::path, std::string> files_;
 };
 
 }  // namespace moma

@@ -14,9 +14,21 @@
 #include "plugin/host/library.h"
 
 namespace moma {
+
+extern const char* const kPythonRunner;  // runner.py, by CMake
+
+ProcessCommand python_command(const std::string& interpreter, const fs::path& file, const std::string& class_name) {
+  ProcessCommand command;
+  command.arguments = {interpreter, "-c", kPythonRunner, file.string(), class_name};
+  command.directory = file.parent_path();
+  command.environment = {"PYTHONHASHSEED=0",  "PYTHONDONTWRITEBYTECODE=1", "PYTHONIOENCODING=utf-8",
+                         "OMP_NUM_THREADS=1", "OPENBLAS_NUM_THREADS=1",    "MKL_NUM_THREADS=1"};
+  command.files = {file};
+  return command;
+}
+
 namespace {
 
-using nlohmann::ordered_json;
 using plugin::guarded;
 
 /// The object behind moma_plugin_open()'s handle: one robot with one set of parameters.
@@ -35,7 +47,7 @@ struct Motion {
 };
 
 /// Docs: process-protocol.md, "setup".
-std::string setup_text(const moma_plugin_setup& setup, ordered_json robot, ordered_json parameters) {
+std::string setup_text(const moma_plugin_setup& setup, Json robot, Json parameters) {
   const auto base = static_cast<BaseType>(setup.base_type);
   const std::vector<std::string> joints(setup.joints, setup.joints + setup.num_joints);
   std::vector<std::string> velocities(kind_of(base).velocities.begin(), kind_of(base).velocities.end());
@@ -44,19 +56,19 @@ std::string setup_text(const moma_plugin_setup& setup, ordered_json robot, order
     return config::layout::finite_or_null({values, count});
   };
   const Lengths lengths{static_cast<int>(setup.num_joints), static_cast<int>(setup.num_velocities)};
-  const ordered_json json = {{"protocol", kProcessProtocol},
-                             {"base", std::string(to_string(base))},
-                             {"joints", joints},
-                             {"velocities", velocities},
-                             {"lower", numbers(setup.lower, setup.num_joints)},
-                             {"upper", numbers(setup.upper, setup.num_joints)},
-                             {"ready", numbers(setup.ready, setup.num_joints)},
-                             {"velocity_limits", numbers(setup.velocity_limits, setup.num_velocities)},
-                             {"control_period", setup.control_period},
-                             {"parameters", std::move(parameters)},
-                             {"observation", config::layout_of<Observation>(lengths)},
-                             {"details", config::layout_of<StepResult, Details>(lengths)},
-                             {"robot", std::move(robot)}};
+  const Json json = {{"protocol", kProcessProtocol},
+                     {"base", std::string(to_string(base))},
+                     {"joints", joints},
+                     {"velocities", velocities},
+                     {"lower", numbers(setup.lower, setup.num_joints)},
+                     {"upper", numbers(setup.upper, setup.num_joints)},
+                     {"ready", numbers(setup.ready, setup.num_joints)},
+                     {"velocity_limits", numbers(setup.velocity_limits, setup.num_velocities)},
+                     {"control_period", setup.control_period},
+                     {"parameters", std::move(parameters)},
+                     {"observation", config::layout_of<Observation>(lengths)},
+                     {"details", config::layout_of<StepResult, Details>(lengths)},
+                     {"robot", std::move(robot)}};
   return json.dump();
 }
 
@@ -72,7 +84,7 @@ void* open(const ProcessCommand& command, const moma_plugin_setup* setup, char* 
     auto opened = std::make_unique<Opened>();
     opened->pool = ProcessPool::of(command);
     opened->setup = std::make_shared<const std::string>(
-        setup_text(*setup, ordered_json::parse(setup->robot), ordered_json::parse(setup->parameters)));
+        setup_text(*setup, Json::parse(setup->robot), Json::parse(setup->parameters)));
     opened->control_period = setup->control_period;
     opened->joints = setup->num_joints;
     opened->velocities = setup->num_velocities;
@@ -111,8 +123,8 @@ void close(void* plugin) { delete static_cast<Opened*>(plugin); }
 }  // namespace
 
 std::shared_ptr<const Plugin> open_process(const ProcessCommand& command,
-                                           std::shared_ptr<const config::LoadedRobot> robot,
-                                           const ordered_json& parameters, double control_period) {
+                                           std::shared_ptr<const config::LoadedRobot> robot, const Json& parameters,
+                                           double control_period) {
   auto library = std::make_shared<PluginLibrary>();
   library->file = command.directory / command.arguments.front();
   library->functions = {[command](const moma_plugin_setup* setup, char* error, std::size_t size) {

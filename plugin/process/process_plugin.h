@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "controller/config/robot_file.h"
 #include "plugin/host/plugin.h"
@@ -12,8 +11,8 @@ namespace moma {
 /// Opens a controller in processes of its own as a Plugin: behind the same functions as a shared library, with the same
 /// checks of commands. Starts a process and lets it check the parameters. Throws PluginError.
 std::shared_ptr<const Plugin> open_process(const ProcessCommand& command,
-                                           std::shared_ptr<const config::LoadedRobot> robot,
-                                           const nlohmann::ordered_json& parameters, double control_period);
+                                           std::shared_ptr<const config::LoadedRobot> robot, const Json& parameters,
+                                           double control_period);
 
 /// The processes behind a plugin; nullptr where it is a shared library.
 const ProcessPool* processes_of(const Plugin& plugin);

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdint>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "controller/config/json_node.h"
@@ -112,7 +110,7 @@ void Session::set_up(const std::shared_ptr<const std::string>& setup, double con
   const std::span<const unsigned char> payload =
       exchange(Frame::kSetup, *setup, Frame::kReady, due("to its setup", limits_.start));
   const auto* begin = reinterpret_cast<const char*>(payload.data());
-  nlohmann::ordered_json ready;
+  Json ready;
   try {
     ready = config::parse_json(std::string_view(begin, payload.size()), "its process's answer to its setup");
     const int protocol = ready.at("protocol").get<int>();

@@ -3,12 +3,12 @@
 #include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
 
-#include <cstddef>
 #include <string>
 
 #include "controller/config/node.h"
 #include "controller/describe/numbers.h"
 #include "controller/step_described.h"
+#include "eval/suite/suite.h"
 
 namespace moma::python {
 
@@ -32,6 +32,12 @@ void check_size(Eigen::Index found, Eigen::Index wanted, const char* what);
 /// A value of a file's format, from JSON; `name` stands for the file in messages, paths are relative to the working
 /// folder.
 config::Node node_of(const std::string& json, const std::string& name);
+
+/// Throws std::invalid_argument where the suite has no point of that number.
+const SuitePoint& point_of(const Suite& suite, std::size_t i);
+
+/// World `index` of a point. Throws GenerationError.
+World make_world(const SuitePoint& point, std::uint64_t index);
 
 void bind_robot(nb::module_& module);
 void bind_controller(nb::module_& module);

@@ -5,7 +5,6 @@
 
 #include "controller/case/solve.h"
 #include "controller/config/controller_file.h"
-#include "controller/config/json_node.h"
 #include "controller/config/layout.h"
 #include "controller/config/object_file.h"
 #include "controller/controller_core.h"
@@ -95,9 +94,9 @@ void bind_controller(nb::module_& module) {
       .def_prop_ro("num_objects", &Controller::num_objects);
   module.def("layouts", [](int joints, int velocities) {
     const Lengths lengths{joints, velocities};
-    return nlohmann::ordered_json{{"observation", config::layout_of<Observation>(lengths)},
-                                  {"details", config::layout_of<StepResult, Details>(lengths)},
-                                  {"step", config::layout_of<StepResult>(lengths)}}
+    return Json{{"observation", config::layout_of<Observation>(lengths)},
+                {"details", config::layout_of<StepResult, Details>(lengths)},
+                {"step", config::layout_of<StepResult>(lengths)}}
         .dump();
   });
 }

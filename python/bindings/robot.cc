@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
-#include <utility>
 
 #include "controller/case/case_file.h"
 #include "controller/model/kinematics.h"
@@ -93,8 +92,7 @@ Matrix Robot::manipulability_gradient(const Rows& q, const std::string& rows) co
   const ManipulabilityRows which = rows_of(rows);
   const int n = model().num_joints();
   Eigen::VectorXi prismatic(n);
-  for (int j = 0; j < n; ++j)
-    prismatic[j] = model().joints[static_cast<std::size_t>(j)].type == JointType::kPrismatic ? 1 : 0;
+  for (int j = 0; j < n; ++j) prismatic[j] = model().joint(j).type == JointType::kPrismatic ? 1 : 0;
   Matrix out(q.rows(), n);
   each(Matrix::Zero(q.rows(), 3), q, [&](Eigen::Index i, const Kinematics& kinematics) {
     Eigen::Map<VectorX> gradient(out.row(i).data(), n);
@@ -146,7 +144,7 @@ nb::list Robot::distances(const Vector3& base, const VectorX& q, const std::stri
   Proximity proximity(loaded_.model);
   proximity.set_objects(shapes);
   nb::list out;
-  const auto name_of = [this](int shape) { return model().shapes[static_cast<std::size_t>(shape)].name; };
+  const auto name_of = [this](int shape) { return model().shape(shape).name; };
   for (const ProximityPair& pair : proximity.query(kinematics, states, ranges)) {
     const bool object = pair.kind == PairKind::kObject;
     const std::string second = object                         ? shapes[static_cast<std::size_t>(pair.second)].name

@@ -1,5 +1,3 @@
-#include "python/bindings/suite.h"
-
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "controller/config/json_node.h"
+#include "python/bindings/bindings.h"
 #include "world/world_json.h"
 
 namespace moma::python {

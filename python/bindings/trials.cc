@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -19,15 +18,13 @@
 #include "controller/config/object_file.h"
 #include "controller/model/kinematics.h"
 #include "eval/trial/stepped_trial.h"
-#include "eval/trial/trace_json.h"
+#include "eval/trial/trial_detail.h"
 #include "python/bindings/robot.h"
-#include "python/bindings/suite.h"
 #include "world/world_json.h"
 
 namespace moma::python {
 namespace {
 
-using nlohmann::ordered_json;
 /// Written to in place.
 using Numbers = Eigen::Ref<Matrix>;
 using Indices = Eigen::Ref<const Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>>;
@@ -48,27 +45,25 @@ Vector3 edges(const Shape& shape) {
   return sizes;
 }
 
-ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value == 0.0 ? 0.0 : value) : nullptr; }
+Json number(double value) { return std::isfinite(value) ? Json(value == 0.0 ? 0.0 : value) : nullptr; }
 
 /// A row's members under their names, as the store keeps them; without its timing.
-struct RowJson {
-  const TrialRow& row;
-  ordered_json json = ordered_json::object();
-  template <class M>
-  void member(std::string_view name, M TrialRow::*member, const Column&) {
+Json to_json(const TrialRow& row) {
+  Json json = Json::object();
+  for_members<TrialRow>([&]<class M>(std::string_view name, M TrialRow::*member, const Column&) {
+    Json& out = json[std::string(name)];
     if constexpr (std::is_same_v<M, double>) {
-      json[std::string(name)] = number(row.*member);
+      out = number(row.*member);
     } else if constexpr (std::is_same_v<M, Outcome>) {
-      json[std::string(name)] = to_string(row.*member);
+      out = to_string(row.*member);
     } else if constexpr (std::is_same_v<M, std::string>) {
-      json[std::string(name)] = (row.*member).empty() ? ordered_json(nullptr) : ordered_json(row.*member);
+      if (!(row.*member).empty()) out = row.*member;
     } else {
-      json[std::string(name)] = row.*member;
+      out = row.*member;
     }
-  }
-  template <class P>
-  void inlined(P) {}
-};
+  });
+  return json;
+}
 
 /// Several trials of one point of a suite, each stepped from outside. Different ones may be stepped by different
 /// threads.
@@ -137,12 +132,7 @@ class Trials {
   std::string objects(std::size_t i) { return config::objects_to_json(told(i)).dump(); }
 
   std::string world(std::size_t i) { return to_json(trial(i).world()).dump(); }
-  std::string row(std::size_t i) {
-    const TrialOutput output = trial(i).output();
-    RowJson writer{output.row};
-    describe(writer, Of<TrialRow>{});
-    return writer.json.dump();
-  }
+  std::string row(std::size_t i) { return to_json(trial(i).output().row).dump(); }
   std::string trace(std::size_t i) {
     const SteppedTrial& stepped = trial(i);
     return trace_json(stepped.spec(), stepped.world(), stepped.output(), "").dump();

@@ -10,14 +10,13 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Texts = std::vector<std::string>;
 
 Texts suites_of(const Json& page) {
   Texts names;
   for (const Json& point : page.at("points")) {
     const std::string name = point.at("suite");
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
   }
   return names;
 }
@@ -29,7 +28,7 @@ std::string common_suite(const std::vector<Json>& pages) {
     const Texts own = suites_of(page);
     if (own.size() > 1) return "";
     for (const std::string& name : own) {
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     }
   }
   return fmt::format("{}", fmt::join(names, " + "));

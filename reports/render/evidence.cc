@@ -14,7 +14,6 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Found = std::map<std::string, double>;  // by trial
 
 /// A trial's samples by column.
@@ -23,7 +22,7 @@ class Unpacked {
   explicit Unpacked(SQLite::Statement& row) : samples_(samples_of(row)), values_(unpack(samples_)) {}
 
   std::span<const double> column(const std::string& name) const {
-    const auto place = std::find(samples_.columns.begin(), samples_.columns.end(), name);
+    const auto place = std::ranges::find(samples_.columns, name);
     if (place == samples_.columns.end()) throw std::runtime_error("samples: there is no column " + name);
     const auto n = static_cast<std::size_t>(samples_.n);
     return std::span(values_).subspan(n * static_cast<std::size_t>(place - samples_.columns.begin()), n);

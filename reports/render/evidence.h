@@ -4,10 +4,11 @@
 
 #include <cstdint>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "reports/render/json.h"
 
 namespace moma::reports {
 
@@ -30,8 +31,7 @@ using TimeKnown = std::function<std::optional<double>(const HitObject&)>;
 /// from a nonholonomic base at the end of the trial (0: ahead), if the goal rests and nothing else held the robot;
 /// `known_before_contact_s`: the answer of `time_known`, if given. Columns without values are omitted. Reads at most
 /// `kMostEvidence` trials of worlds below `worlds`, about 1 ms each.
-void add_evidence(SQLite::Database& store, std::int64_t worlds, const TimeKnown& time_known,
-                  nlohmann::ordered_json& page);
+void add_evidence(SQLite::Database& store, std::int64_t worlds, const TimeKnown& time_known, Json& page);
 
 inline constexpr int kMostEvidence = 3000;
 

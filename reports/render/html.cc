@@ -8,8 +8,6 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// "frankie-clutter", or the names of all suites.
 std::string title(const Json& page) {
   std::set<std::string> seen;

@@ -12,12 +12,11 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Cell = std::array<std::int64_t, 3>;
 
 /// Rotates the indices until the least is first, so that equal oriented triangles are equal triples.
 std::array<int, 3> turned(const std::array<int, 3>& t) {
-  const auto first = std::min_element(t.begin(), t.end()) - t.begin();
+  const auto first = std::ranges::min_element(t) - t.begin();
   return {t[static_cast<std::size_t>(first)], t[static_cast<std::size_t>((first + 1) % 3)],
           t[static_cast<std::size_t>((first + 2) % 3)]};
 }
@@ -91,7 +90,7 @@ Surface clustered(const Surface& surface, double cell) {
   return out;
 }
 
-nlohmann::ordered_json mesh_data(const std::vector<VisualPart>& parts, std::size_t most) {
+Json mesh_data(const std::vector<VisualPart>& parts, std::size_t most) {
   std::vector<Surface> surfaces(parts.size());
   std::size_t total = most + 1;
   for (double cell = 0.0005; total > most; cell *= 1.25) {

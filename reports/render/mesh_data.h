@@ -2,10 +2,11 @@
 
 #include <array>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "reports/render/json.h"
 
 namespace moma::reports {
 
@@ -23,12 +24,12 @@ struct VisualPart {
   Point3 position{};                 ///< of the part's frame in the link's [m]
   std::array<double, 9> rotation{};  ///< row by row
   std::optional<Point3> colour;      ///< red, green, blue, each from 0 to 1
-  nlohmann::ordered_json shape;      ///< {"shape", "size"} as robots have it
+  Json shape;                        ///< {"shape", "size"} as robots have it
   Surface surface;                   ///< where `shape` is null
 };
 
 /// Returns a robot's visual parts by its resolved form; none if its URDF has none.
-using Look = std::function<std::vector<VisualPart>(const nlohmann::ordered_json& robot)>;
+using Look = std::function<std::vector<VisualPart>(const Json& robot)>;
 
 /// Largest number of triangles of one robot in the page.
 inline constexpr std::size_t kMostTriangles = 20000;
@@ -43,6 +44,6 @@ Surface clustered(const Surface& surface, double cell);
 /// in total. Vertices are quantized as low + step * u; "vertices" holds the 16-bit u, all low bytes before all high
 /// bytes, interleaved x y z. "triangles" holds the 16-bit differences of consecutive indices in the same layout. Both
 /// are packed().
-nlohmann::ordered_json mesh_data(const std::vector<VisualPart>& parts, std::size_t most = kMostTriangles);
+Json mesh_data(const std::vector<VisualPart>& parts, std::size_t most = kMostTriangles);
 
 }  // namespace moma::reports

@@ -13,7 +13,6 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Place = std::array<std::string, 6>;  // suite, robot, controller, point, family, mode
 
 /// Columns that a trial of the page has without the suites' own.

@@ -2,10 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
+
+#include "reports/render/json.h"
 
 namespace SQLite {
 class Database;
@@ -35,15 +36,14 @@ std::string sql_name(const std::string& name);
 
 /// The suites' own metrics as the page has them beside moma's.
 struct OwnMetrics {
-  nlohmann::ordered_json described =
-      nlohmann::ordered_json::array();  ///< for `metrics` of the page; key, name, text ...
-  std::string columns;                  ///< ", (SELECT ...) AS KEY" for each, over `t`, the table of trials
+  Json described = Json::array();  ///< for `metrics` of the page; key, name, text ...
+  std::string columns;             ///< ", (SELECT ...) AS KEY" for each, over `t`, the table of trials
 };
 
 /// The key of a metric is its name, or "metric_NAME" if moma has a column with that name.
 OwnMetrics page_metrics(SQLite::Database& store);
 
 /// Adds `own`, the means by key, to the summary's rows per family and over all families, if the store has any.
-void add_own_means(SQLite::Database& store, const OwnMetrics& metrics, nlohmann::ordered_json& page);
+void add_own_means(SQLite::Database& store, const OwnMetrics& metrics, Json& page);
 
 }  // namespace moma::reports

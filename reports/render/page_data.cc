@@ -4,10 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "reports/render/assets.h"
 #include "reports/render/evidence.h"
@@ -16,8 +13,6 @@
 
 namespace moma::reports {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json number(double value) {
   if (std::isfinite(value)) return value;
@@ -185,7 +180,7 @@ Json TrialColumn::take() {
   return {{"values", std::move(values_)}, {"codes", std::move(codes_)}};
 }
 
-nlohmann::ordered_json page_data(SQLite::Database& store, const ReportOptions& options) {
+Json page_data(SQLite::Database& store, const ReportOptions& options) {
   // One transaction: all parts show the store at one moment, whatever a run adds meanwhile.
   SQLite::Transaction snapshot(store);
   Json page = begin(store);

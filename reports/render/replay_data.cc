@@ -18,8 +18,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "samples are little-endian doubles");
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::uint64_t kLargestTable = std::uint64_t{512} << 20;  // bytes
 
 std::vector<std::size_t> kept_rows(const double* t, std::size_t n, double hz) {
@@ -93,11 +91,11 @@ std::vector<double> unpack(const StoredSamples& samples) {
   return values;
 }
 
-nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, const DistanceRows* near) {
+Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* near) {
   const std::vector<double> values = unpack(samples);
   const std::size_t n = static_cast<std::size_t>(samples.n);
   const auto column = [&](std::string_view name) -> const double* {
-    const auto place = std::find(samples.columns.begin(), samples.columns.end(), name);
+    const auto place = std::ranges::find(samples.columns, name);
     if (place == samples.columns.end()) return nullptr;
     return values.data() + n * static_cast<std::size_t>(place - samples.columns.begin());
   };
@@ -138,7 +136,7 @@ nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, cons
   for (const char* name : {"manipulability", "least_distance", "status", "fallback", "active_rows"}) keep_column(name);
   // The rest, for a look at one of them.
   for (const std::string& name : samples.columns)
-    if (std::find(names.begin(), names.end(), name) == names.end() && !of_a_plan(name)) keep_column(name, &coarse);
+    if (std::ranges::find(names, name) == names.end() && !of_a_plan(name)) keep_column(name, &coarse);
   // A detour's target, and of a controller that looks ahead its activity and reason, its path and its choice.
   const auto ever = [&](std::string_view name) {
     const double* from = column(name);

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <array>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "reports/render/json.h"
 
 namespace moma::reports {
 
@@ -54,6 +55,6 @@ std::vector<double> unpack(const StoredSamples& samples);
 /// std::runtime_error on data that does not fit its layout. With `rows` also "rows": {"names", "n", "data"}: how many
 /// rows each sample kept has, and of all of them, column by column, kind + 8 if active, first, second, d [0.1 mm], the
 /// six coordinates [mm], each of 16 bits, packed() as planes.
-nlohmann::ordered_json replay_data(const StoredSamples& samples, double hz, const DistanceRows* rows = nullptr);
+Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* rows = nullptr);
 
 }  // namespace moma::reports

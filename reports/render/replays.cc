@@ -11,8 +11,6 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json robot_of(SQLite::Database& store, std::int64_t id) {
   SQLite::Statement one(store, "SELECT resolved FROM robot WHERE id = ?1");
   one.bind(1, id);

@@ -29,10 +29,10 @@ std::vector<std::string> labels_of(const Stores& stores) {
 
 }  // namespace
 
-nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& options) {
+Json read_stores(const Stores& stores, const ReportOptions& options) {
   if (stores.empty()) throw ReportError("a report needs a store; wanted: one or more, written by moma run");
   std::set<std::filesystem::path> seen;
-  std::vector<nlohmann::ordered_json> pages;
+  std::vector<Json> pages;
   ReportOptions each = options;
   each.trials = std::max<std::int64_t>(options.trials / static_cast<std::int64_t>(stores.size()), 1);
   each.replays = (options.replays + static_cast<int>(stores.size()) - 1) / static_cast<int>(stores.size());
@@ -54,8 +54,7 @@ nlohmann::ordered_json read_stores(const Stores& stores, const ReportOptions& op
       throw ReportError(fmt::format("{}: holds JSON that cannot be read: {}", db.string(), error.what()));
     }
   }
-  nlohmann::ordered_json all =
-      pages.size() == 1 ? std::move(pages.front()) : combined(std::move(pages), labels_of(stores));
+  Json all = pages.size() == 1 ? std::move(pages.front()) : combined(std::move(pages), labels_of(stores));
   if (!options.notes.empty()) all["notes"] = options.notes;
   return all;
 }

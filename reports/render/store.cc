@@ -62,8 +62,7 @@ SQLite::Database open_immutable(const std::filesystem::path& db) {
 
 }  // namespace
 
-nlohmann::ordered_json parse_stored(const std::string& text) {
-  using Json = nlohmann::ordered_json;
+Json parse_stored(const std::string& text) {
   bool deep = false;
   const auto keep = [&](int depth, Json::parse_event_t, const Json&) {
     deep = deep || depth > kDeepest;

@@ -4,9 +4,9 @@
 
 #include <chrono>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "reports/render/json.h"
 #include "reports/render/replay_data.h"
 
 namespace moma::reports {
@@ -24,7 +24,7 @@ SQLite::Database open_store(const std::filesystem::path& db, std::chrono::millis
 
 /// A JSON text of a store. Throws ReportError where it is none, or is nested deeper than anything that moma writes:
 /// walking over it would not end well.
-nlohmann::ordered_json parse_stored(const std::string& text);
+Json parse_stored(const std::string& text);
 
 /// A row's columns layout, n, columns and data; valid until the next row.
 StoredSamples samples_of(SQLite::Statement& row);

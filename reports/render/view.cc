@@ -16,7 +16,6 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Text = std::shared_ptr<const std::string>;
 
 constexpr std::int64_t kTrials = 100000;

@@ -12,22 +12,22 @@
 namespace moma {
 namespace {
 
-using Json = nlohmann::json;
+using nlohmann::json;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-MatrixX matrix(const Json& json, Eigen::Index rows) {
-  const auto values = json.get<std::vector<double>>();
+MatrixX matrix(const json& in, Eigen::Index rows) {
+  const auto values = in.get<std::vector<double>>();
   return Eigen::Map<const RowMajor>(values.data(), rows, static_cast<Eigen::Index>(values.size()) / rows);
 }
 
-VectorX vector(const Json& json) { return matrix(json, static_cast<Eigen::Index>(json.size())); }
+VectorX vector(const json& in) { return matrix(in, static_cast<Eigen::Index>(in.size())); }
 
 TEST(KinematicsReference, AgreesWithPinocchio) {
   std::ifstream file(test::source_path("tests/data/kinematics_reference.json"));
-  const Json reference = Json::parse(file);
+  const json reference = json::parse(file);
   ASSERT_EQ(reference["robots"].size(), 5U);
   int hessians = 0;
-  for (const Json& robot : reference["robots"]) {
+  for (const json& robot : reference["robots"]) {
     const auto name = robot["file"].get<std::string>();
     const auto model = test::load_model(name);
     ASSERT_EQ(model->joints.size(), robot["joints"].size()) << name;
@@ -39,7 +39,7 @@ TEST(KinematicsReference, AgreesWithPinocchio) {
       prismatic[i] = model->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? 1 : 0;
     const Vector3 mount = model->base.X_BM.translation();  // the reference has none
     ASSERT_TRUE(model->base.X_BM.linear() == Matrix3::Identity() && (mount.isZero() || model->base_dof() == 0)) << name;
-    for (const Json& c : robot["cases"]) {
+    for (const json& c : robot["cases"]) {
       kinematics.update(vector(c["base"]), vector(c["q"]));
       EXPECT_LT((kinematics.X_WE().translation() - mount - vector(c["position"])).norm(), 1e-10) << name;
       EXPECT_LT((kinematics.X_WE().linear() - matrix(c["rotation"], 3)).norm(), 1e-10) << name;
@@ -54,7 +54,7 @@ TEST(KinematicsReference, AgreesWithPinocchio) {
                 << name << " column " << i << " by joint " << j;
         ++hessians;
       }
-      const Json& m = c["manipulability"];
+      const json& m = c["manipulability"];
       EXPECT_NEAR(manipulability(arm, ManipulabilityRows::kTranslation), m["translation"].get<double>(), 1e-10) << name;
       EXPECT_NEAR(manipulability(arm, ManipulabilityRows::kRotation), m["rotation"].get<double>(), 1e-10) << name;
       EXPECT_NEAR(manipulability(arm, ManipulabilityRows::kAll), m["all"].get<double>(), 1e-10) << name;

@@ -303,7 +303,7 @@ Scene before_a_gap(const std::shared_ptr<const RobotModel>& model, std::uint64_t
 TEST(Planner, BeforeTheLastTierAPathKeepsTheMean) {
   const auto model = load_model("configs/robots/frankie.yaml");
   const ControllerParams params = close_params(*model, 12000);
-  const double clearance = params.plan.clearance, tight = params.plan.search.tight * clearance;
+  const double clearance = params.plan.clearance;
   Planner planner(model, params);
   int mean = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <string>
 
+#include "controller/plan/free_space.h"
 #include "controller/plan/route.h"
-#include "controller/plan/tuck.h"
 #include "tests/controller/path_limits.h"
 #include "tests/controller/plan_scenes.h"
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "eval/batch/batch.h"
-#include "eval/trial/trace_json.h"
+#include "eval/trial/trial_detail.h"
 #include "tests/eval/suite_fixture.h"
 #include "tests/eval/trial_fixture.h"
 #include "world/sensing/disturbances_file.h"
@@ -249,7 +249,7 @@ TEST(Disturbances, AreSweptSetAndResolvedInAnyOrder) {
       const bool noisy = suite.points[p].label == "disturbances=noisy";
       labels.insert(suite.points[p].label);
       EXPECT_EQ(suite.points[p].disturbances.joints.noise, noisy ? 0.002 : 0.0);
-      EXPECT_TRUE(suite.points[p].disturbances == again.points[p].disturbances) << order << " point " << p;
+      EXPECT_TRUE(same(suite.points[p].disturbances, again.points[p].disturbances)) << order << " point " << p;
       EXPECT_EQ(trial_key(suite.points[p], 1), trial_key(again.points[p], 1));
     }
     EXPECT_EQ(labels, (std::set<std::string>{"disturbances=none", "disturbances=noisy"}));

@@ -211,7 +211,9 @@ TEST(HeldObjects, StandOnWhatIsUnderThemAndAreLeftAtGoals) {
       ++left;
     else
       ++(o.carried->support == 1 ? on_plate : clear);
-    if (!o.carried) EXPECT_NEAR(o.objects[0].X_WO.translation().x(), 1.3, 0.03);
+    if (!o.carried) {
+      EXPECT_NEAR(o.objects[0].X_WO.translation().x(), 1.3, 0.03);
+    }
   };
   const TrialOutput out = drive_to_goals(again, look);
   EXPECT_EQ(out.row.goals_reached, 2.0) << out.row.reason;

@@ -8,7 +8,7 @@
 
 #include "controller/controller.h"
 #include "eval/trial/stepped_trial.h"
-#include "eval/trial/trace_json.h"
+#include "eval/trial/trial_detail.h"
 #include "tests/eval/trial_fixture.h"
 
 namespace moma::test {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "eval/trial/trace_json.h"
 #include "eval/trial/trial.h"
+#include "eval/trial/trial_detail.h"
 #include "tests/eval/suite_fixture.h"
 #include "world/world_json.h"
 

@@ -6,7 +6,8 @@
 #include "eval/run/store_file.h"
 #include "eval/store/reader.h"
 #include "eval/tune/held_out.h"
-#include "eval/tune/stored_search.h"
+#include "eval/tune/trial_objective.h"
+#include "eval/tune/tuning.h"
 #include "tests/eval/suite_fixture.h"
 
 namespace moma::tune {

@@ -17,7 +17,7 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::json;
+using nlohmann::json;
 
 void change(const std::filesystem::path& db, const std::string& sql) {
   SQLite::Database(db.string(), SQLite::OPEN_READWRITE).exec(sql);
@@ -30,12 +30,12 @@ TEST(Invocations, BringTheirEstimatesOfRisk) {
     write_report({folder / "a.db"}, folder / "a.html");
     return data_of(read_file(folder / "a.html")).at("invocations").at(0).at("risk");
   };
-  EXPECT_EQ(risk(), Json(nullptr));
+  EXPECT_EQ(risk(), json(nullptr));
   change(folder / "a.db", R"(UPDATE invocation SET risk = '[{"controller": "moma", "p": 5.3e-5}]')");
-  EXPECT_EQ(risk(), Json::parse(R"([{"controller": "moma", "p": 5.3e-5}])"));
+  EXPECT_EQ(risk(), json::parse(R"([{"controller": "moma", "p": 5.3e-5}])"));
   // A store of an earlier build.
   change(folder / "a.db", "ALTER TABLE invocation DROP COLUMN risk");
-  EXPECT_EQ(risk(), Json(nullptr));
+  EXPECT_EQ(risk(), json(nullptr));
 }
 
 TEST(History, StoresOfOneSuiteStandSideBySide) {
@@ -47,10 +47,10 @@ TEST(History, StoresOfOneSuiteStandSideBySide) {
          "UPDATE controller SET resolved = json_set(resolved, '$.lambda_q', 0.02)"
          "  WHERE id = (SELECT controller_id FROM point WHERE controller = 'moma');");
   write_report({folder / "june.db", folder / "march.db"}, folder / "a.html");
-  const Json page = data_of(read_file(folder / "a.html"));
+  const json page = data_of(read_file(folder / "a.html"));
   ASSERT_EQ(page.at("points").size(), 4u);
   const auto lambda = [&](const std::string& controller, const std::string& store) -> double {
-    for (const Json& point : page.at("points"))
+    for (const json& point : page.at("points"))
       if (point.at("controller") == controller && point.at("store") == store)
         return point.at("parameters").at("lambda_q");
     return -1.0;
@@ -60,10 +60,10 @@ TEST(History, StoresOfOneSuiteStandSideBySide) {
   EXPECT_EQ(lambda("holistic (june)", "june"), 0.01);
   // Each run says when it was and which notes its suite had: by these the page orders and heads them.
   ASSERT_EQ(page.at("invocations").size(), 2u);
-  for (const Json& run : page.at("invocations")) {
+  for (const json& run : page.at("invocations")) {
     const bool june = run.at("store") == "june";
     EXPECT_EQ(run.at("started"), june ? "2025-06-01T08:00:00Z" : "2025-03-14T09:26:53Z");
-    EXPECT_EQ(run.at("notes"), june ? Json("since *June*") : Json(nullptr));
+    EXPECT_EQ(run.at("notes"), june ? json("since *June*") : json(nullptr));
   }
 }
 
@@ -111,9 +111,9 @@ TEST(RunState, OnlyTheLatestRunMayBeAtWork) {
          "INSERT INTO invocation SELECT * FROM one; UPDATE invocation SET status = 'running';");
   const auto writers = [&] {
     write_report({folder / "a.db"}, folder / "a.html");
-    const Json page = data_of(read_file(folder / "a.html"));
+    const json page = data_of(read_file(folder / "a.html"));
     std::string text;
-    for (const Json& run : page.at("invocations")) text += run.at("writer").get<std::string>() + ";";
+    for (const json& run : page.at("invocations")) text += run.at("writer").get<std::string>() + ";";
     return text;
   };
   EXPECT_EQ(writers(), "unknown;gone;");

@@ -15,9 +15,9 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::json;
+using nlohmann::json;
 
-Json cell_of(const SQLite::Column& cell) {
+json cell_of(const SQLite::Column& cell) {
   if (cell.isNull()) return nullptr;
   if (cell.isInteger()) return cell.getInt64();
   if (cell.isFloat()) return cell.getDouble();
@@ -25,13 +25,13 @@ Json cell_of(const SQLite::Column& cell) {
 }
 
 /// Value of a trial's column in the page.
-Json page_cell(const Json& column, std::size_t row) {
+json page_cell(const json& column, std::size_t row) {
   if (column.is_array()) return column.at(row);
   const int code = column.at("codes").at(row).get<int>();
-  return code < 0 ? Json(nullptr) : column.at("values").at(static_cast<std::size_t>(code));
+  return code < 0 ? json(nullptr) : column.at("values").at(static_cast<std::size_t>(code));
 }
 
-Json page_of(const Folder& folder, const std::string& kind, int worlds) {
+json page_of(const Folder& folder, const std::string& kind, int worlds) {
   make_store(folder / "a.db", kind, worlds);
   write_report({folder / "a.db"}, folder / "a.html");
   return data_of(read_file(folder / "a.html"));
@@ -41,8 +41,8 @@ class PageEqualsStore : public testing::TestWithParam<const char*> {};
 
 TEST_P(PageEqualsStore, EveryCellOfTrials) {
   const Folder folder;
-  const Json page = page_of(folder, GetParam(), 10);
-  const Json& columns = page.at("trials").at("columns");
+  const json page = page_of(folder, GetParam(), 10);
+  const json& columns = page.at("trials").at("columns");
   SQLite::Database store((folder / "a.db").string());
   std::map<std::string, std::size_t> place;
   const std::size_t n = page.at("trials").at("n").get<std::size_t>();
@@ -75,12 +75,12 @@ TEST_P(PageEqualsStore, EveryCellOfTrials) {
 
 TEST_P(PageEqualsStore, EveryCellOfTheSummary) {
   const Folder folder;
-  const Json page = page_of(folder, GetParam(), 10);
+  const json page = page_of(folder, GetParam(), 10);
   SQLite::Database store((folder / "a.db").string());
   SQLite::Statement query(store, "SELECT * FROM v_summary");
   std::size_t rows = 0;
   for (; query.executeStep(); ++rows) {
-    Json wanted = Json::object();
+    json wanted = json::object();
     for (int i = 0; i < query.getColumnCount(); ++i) wanted[query.getColumnName(i)] = cell_of(query.getColumn(i));
     EXPECT_EQ(std::count(page.at("summary").begin(), page.at("summary").end(), wanted), 1) << wanted.dump();
   }
@@ -103,8 +103,8 @@ TEST(PageData, TrialsThatEndByAnErrorDidNotSucceed) {
     }
   }
   write_report({folder / "a.db"}, folder / "a.html");
-  const Json page = data_of(read_file(folder / "a.html"));
-  for (const Json& row : page.at("overall")) {
+  const json page = data_of(read_file(folder / "a.html"));
+  for (const json& row : page.at("overall")) {
     const bool never = row.at("controller") == "moma";
     EXPECT_EQ(row.at("n"), 20);
     EXPECT_EQ(row.at("errors"), never ? 20 : 4);
@@ -133,18 +133,18 @@ TEST(PageData, MetricsOfASuiteStandBesideMomas) {
         "INSERT INTO metric_value SELECT 2, key, NULL FROM trial");
   }
   write_report({folder / "a.db"}, folder / "a.html");
-  const Json page = data_of(read_file(folder / "a.html"));
+  const json page = data_of(read_file(folder / "a.html"));
   std::vector<std::string> own;
-  for (const Json& metric : page.at("metrics"))
+  for (const json& metric : page.at("metrics"))
     if (metric.contains("own")) own.push_back(metric.at("key"));
   EXPECT_EQ(own, (std::vector<std::string>{"jitter", "metric_steps"})) << "moma has a column `steps`";
-  const Json& columns = page.at("trials").at("columns");
+  const json& columns = page.at("trials").at("columns");
   for (std::size_t i = 0; i < page.at("trials").at("n").get<std::size_t>(); ++i) {
     EXPECT_EQ(page_cell(columns.at("jitter"), i), page_cell(columns.at("position_error_m"), i));
     EXPECT_TRUE(page_cell(columns.at("metric_steps"), i).is_null());
   }
   SQLite::Database store((folder / "a.db").string());
-  for (const Json& row : page.at("overall")) {
+  for (const json& row : page.at("overall")) {
     SQLite::Statement mean(store,
                            "SELECT avg(t.position_error_m) FROM trial AS t JOIN point_trial AS m ON m.key = t.key "
                            "JOIN point AS p ON p.id = m.point_id WHERE p.controller = ? AND m.outcome <> 'error'");
@@ -156,23 +156,23 @@ TEST(PageData, MetricsOfASuiteStandBesideMomas) {
 
 TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {
   const Folder folder;
-  const Json whole = page_of(folder, "demo", 40);
+  const json whole = page_of(folder, "demo", 40);
   EXPECT_EQ(whole.at("trials").at("n"), 80);
   EXPECT_EQ(whole.at("trials").at("stored"), 80);
   ReportOptions options;
   options.trials = 31;  // two points: 15 worlds
   write_report({folder / "a.db"}, folder / "part.html", options);
-  const Json part = data_of(read_file(folder / "part.html"));
+  const json part = data_of(read_file(folder / "part.html"));
   EXPECT_EQ(part.at("trials").at("n"), 30);
   EXPECT_EQ(part.at("trials").at("stored"), 80);
   EXPECT_EQ(part.at("trials").at("worlds"), 15);
-  const auto texts = [](const Json& page, const std::string& name) {
+  const auto texts = [](const json& page, const std::string& name) {
     std::vector<std::string> all;
     for (std::size_t i = 0; i < page.at("trials").at("n").get<std::size_t>(); ++i)
       all.push_back(page_cell(page.at("trials").at("columns").at(name), i).get<std::string>());
     return all;
   };
-  const Json& worlds = part.at("trials").at("columns").at("world");
+  const json& worlds = part.at("trials").at("columns").at("world");
   const std::vector<std::string> controllers = texts(part, "controller");
   for (std::size_t i = 0; i < 30; ++i) {
     EXPECT_LT(worlds.at(i).get<int>(), 15);
@@ -182,16 +182,16 @@ TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {
   EXPECT_EQ(part.at("overall"), whole.at("overall"));
   const std::vector<std::string> names = texts(part, "trial");
   EXPECT_FALSE(part.at("replays").empty());
-  for (const Json& replay : part.at("replays"))
+  for (const json& replay : part.at("replays"))
     EXPECT_EQ(std::count(names.begin(), names.end(), replay.at("trial").get<std::string>()), 1);
 }
 
 TEST(PageData, OverallRatesByHand) {
   const Folder folder;
-  const Json page = page_of(folder, "demo", 40);
+  const json page = page_of(folder, "demo", 40);
   SQLite::Database store((folder / "a.db").string());
   ASSERT_EQ(page.at("overall").size(), 2u);
-  for (const Json& row : page.at("overall")) {
+  for (const json& row : page.at("overall")) {
     SQLite::Statement query(store, "SELECT outcome, time_to_goal_s, manip_mean FROM v_trials WHERE controller = ?");
     query.bind(1, row.at("controller").get<std::string>());
     double n = 0, hits = 0, collisions = 0, manip = 0;
@@ -224,8 +224,8 @@ TEST(PageData, OverallRatesByHand) {
 
 TEST(PageData, RatesAtTheirEnds) {
   const Folder folder;
-  const Json page = page_of(folder, "failures", 12);
-  for (const Json& row : page.at("overall")) {
+  const json page = page_of(folder, "failures", 12);
+  for (const json& row : page.at("overall")) {
     EXPECT_EQ(row.at("success_rate"), 0.0);
     EXPECT_EQ(row.at("success_low"), 0.0);
     // With no hit Wilson's upper bound is z^2 / (n + z^2).
@@ -236,9 +236,9 @@ TEST(PageData, RatesAtTheirEnds) {
 
 TEST(PageData, EveryCellOfATuning) {
   const Folder folder;
-  const Json page = page_of(folder, "tuned", 4);
+  const json page = page_of(folder, "tuned", 4);
   ASSERT_EQ(page.at("tuning").size(), 1u);
-  const Json& search = page.at("tuning").at(0);
+  const json& search = page.at("tuning").at(0);
   SQLite::Database store((folder / "a.db").string());
   const std::vector<std::pair<std::string, std::string>> parts = {
       {"variables", "SELECT * FROM tune_variable ORDER BY variable"},
@@ -249,10 +249,10 @@ TEST(PageData, EveryCellOfATuning) {
     SQLite::Statement query(store, sql);
     std::size_t row = 0;
     for (; query.executeStep(); ++row) {
-      const Json& shown = search.at(part).at(row);
+      const json& shown = search.at(part).at(row);
       for (const auto& [name, cell] : shown.items()) {
-        const Json stored = cell_of(query.getColumn(name.c_str()));
-        EXPECT_EQ(cell, name == "candidate" ? Json::parse(stored.get<std::string>()) : stored) << part << " " << name;
+        const json stored = cell_of(query.getColumn(name.c_str()));
+        EXPECT_EQ(cell, name == "candidate" ? json::parse(stored.get<std::string>()) : stored) << part << " " << name;
       }
       EXPECT_GE(shown.size(), 5u);
     }
@@ -264,8 +264,8 @@ TEST(PageData, EveryCellOfATuning) {
 
 TEST(PageData, DifficultyAndMissesComeWithEachTrial) {
   const Folder folder;
-  const Json page = page_of(folder, "demo", 16);
-  const Json& columns = page.at("trials").at("columns");
+  const json page = page_of(folder, "demo", 16);
+  const json& columns = page.at("trials").at("columns");
   SQLite::Database store((folder / "a.db").string());
   SQLite::Statement query(store,
                           "SELECT w.goal_distance_m, w.objects, e.deadline_misses FROM trial t JOIN world w ON w.id = "

@@ -21,7 +21,7 @@
 namespace moma::reports {
 namespace {
 
-using Json = nlohmann::json;
+using nlohmann::json;
 
 /// What a server answers to these very bytes.
 std::string raw(int port, const std::string& request, bool then_closes = false) {
@@ -107,7 +107,7 @@ TEST(View, ServesThePageItsDataAndAMotion) {
   ASSERT_TRUE(page);
   EXPECT_EQ(page->status, 200);
   EXPECT_NE(page->body.find("connect-src 'self'"), std::string::npos);
-  EXPECT_EQ(data_of(page->body), Json::object());
+  EXPECT_EQ(data_of(page->body), json::object());
   EXPECT_NE(page->head.find("\r\nX-Content-Type-Options: nosniff\r\n"), std::string::npos) << page->head;
   EXPECT_EQ(page->head.find("Access-Control-Allow-Origin"), std::string::npos) << page->head;
 
@@ -122,9 +122,9 @@ TEST(View, ServesThePageItsDataAndAMotion) {
   // The same numbers as the written page.
   const auto answer = client.Get("/data.json");
   ASSERT_TRUE(answer);
-  const Json data = Json::parse(answer->body);
+  const json data = json::parse(answer->body);
   write_report({folder / "a.db"}, folder / "a.html");
-  const Json written = data_of(read_file(folder / "a.html"));
+  const json written = data_of(read_file(folder / "a.html"));
   for (const char* part : {"trials", "summary", "overall", "points", "invocations", "tuning"}) {
     EXPECT_EQ(data.at(part), written.at(part)) << part;
   }
@@ -136,7 +136,7 @@ TEST(View, ServesThePageItsDataAndAMotion) {
   const auto motion = client.Get("/replay/" + trial);
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->status, 200);
-  const Json replay = Json::parse(motion->body);
+  const json replay = json::parse(motion->body);
   EXPECT_EQ(replay.at("trial"), trial);
   EXPECT_FALSE(replay.at("simulated").get<bool>());
   EXPECT_TRUE(replay.at("resolved").contains("urdf_text"));
@@ -147,7 +147,7 @@ TEST(View, ServesThePageItsDataAndAMotion) {
   EXPECT_EQ(replay.at("n"), stored);
 
   const std::string bare = a_trial(folder / "a.db", "NOT IN");
-  EXPECT_EQ(Json::parse(client.Get("/replay/" + bare)->body).at("n"), 0);
+  EXPECT_EQ(json::parse(client.Get("/replay/" + bare)->body).at("n"), 0);
   EXPECT_EQ(client.Get("/replay/0123456789abcdef")->status, 404);
 }
 
@@ -166,7 +166,7 @@ TEST(View, AskedForATrialWithoutSamplesItHasItSimulated) {
     const auto* bytes = static_cast<const unsigned char*>(any.getColumn(3).getBlob());
     return OwnedSamples{any.getColumn(0).getInt(),
                         any.getColumn(1).getInt64(),
-                        Json::parse(any.getColumn(2).getString()).get<std::vector<std::string>>(),
+                        json::parse(any.getColumn(2).getString()).get<std::vector<std::string>>(),
                         {bytes, bytes + any.getColumn(3).getBytes()},
                         {{"hand", "sphere3"},
                          {{0.0, DistanceRows::Kind::kObject, 0, 1, true, 0.25, {0.5, -1, 2}, {0.75, 0, 40}},
@@ -175,25 +175,25 @@ TEST(View, AskedForATrialWithoutSamplesItHasItSimulated) {
   };
   const Running server({folder / "a.db"}, options);
   const Client client = server.client();
-  EXPECT_TRUE(Json::parse(client.Get("/data.json")->body).at("live").at("simulates").get<bool>());
+  EXPECT_TRUE(json::parse(client.Get("/data.json")->body).at("live").at("simulates").get<bool>());
   const std::string bare = a_trial(folder / "a.db", "NOT IN");
-  const Json replay = Json::parse(client.Get("/replay/" + bare)->body);
+  const json replay = json::parse(client.Get("/replay/" + bare)->body);
   EXPECT_TRUE(replay.at("simulated").get<bool>());
   EXPECT_EQ(replay.at("trial"), bare);
   EXPECT_GT(replay.at("n").get<int>(), 1);
   // The rows of the first sample; of what no sample is at there are none.
-  const Json& rows = replay.at("rows");
-  EXPECT_EQ(rows.at("names"), Json({"hand", "sphere3"}));
+  const json& rows = replay.at("rows");
+  EXPECT_EQ(rows.at("names"), json({"hand", "sphere3"}));
   ASSERT_EQ(rows.at("n").size(), replay.at("n").get<std::size_t>());
   EXPECT_EQ(rows.at("n").at(0), 2);
   for (std::size_t i = 1; i < rows.at("n").size(); ++i) EXPECT_EQ(rows.at("n").at(i), 0);
   const auto failed = client.Get("/replay/" + bare);
   EXPECT_EQ(failed->status, 500);
-  EXPECT_EQ(Json::parse(failed->body).at("error"), "no such robot any more: " + bare);
+  EXPECT_EQ(json::parse(failed->body).at("error"), "no such robot any more: " + bare);
   // Stored samples are shown without their rows where the trial cannot be simulated again.
   const auto stored = client.Get("/replay/" + a_trial(folder / "a.db", "IN"));
   EXPECT_EQ(stored->status, 200);
-  EXPECT_FALSE(Json::parse(stored->body).contains("rows"));
+  EXPECT_FALSE(json::parse(stored->body).contains("rows"));
   EXPECT_EQ(calls, 3);
 }
 
@@ -202,23 +202,23 @@ TEST(View, FollowsARunningStoreAndOnlyReads) {
   make_store(folder / "a.db", "demo", 10);
   const Running server({folder / "a.db"});
   const Client client = server.client();
-  const Json before = Json::parse(client.Get("/state.json")->body);
+  const json before = json::parse(client.Get("/state.json")->body);
   EXPECT_EQ(before.at("trials"), 20);
   EXPECT_FALSE(before.at("running").get<bool>());
-  EXPECT_EQ(Json::parse(client.Get("/data.json")->body).at("live").at("token"), before.at("token"));
+  EXPECT_EQ(json::parse(client.Get("/data.json")->body).at("live").at("token"), before.at("token"));
 
   SQLite::Database writer((folder / "a.db").string(), SQLite::OPEN_READWRITE);
   {
     SQLite::Transaction pending(writer);  // not yet to be seen
     writer.exec("UPDATE invocation SET status = 'running', ended = NULL");
     writer.exec("DELETE FROM point_trial WHERE world_index = 9");
-    EXPECT_EQ(Json::parse(client.Get("/state.json")->body), before);
+    EXPECT_EQ(json::parse(client.Get("/state.json")->body), before);
     pending.commit();
   }
-  const Json after = Json::parse(client.Get("/state.json")->body);
+  const json after = json::parse(client.Get("/state.json")->body);
   EXPECT_EQ(after.at("trials"), 18);
   EXPECT_TRUE(after.at("running").get<bool>());
-  const Json data = Json::parse(client.Get("/data.json")->body);
+  const json data = json::parse(client.Get("/data.json")->body);
   EXPECT_EQ(data.at("trials").at("n"), 18);
   EXPECT_EQ(data.at("live").at("token"), after.at("token"));
 

@@ -68,9 +68,9 @@ floor: {friction: 0.7, spread: 0.1}
   Disturbances expected = everything_on();
   expected.seed = 7;
   expected.detection.sensor[0] = 0.1;
-  EXPECT_TRUE(d == expected);
+  EXPECT_TRUE(same(d, expected));
   const nlohmann::ordered_json json = to_json(d);
-  EXPECT_TRUE(read_disturbances(config::node_from_json(json, "resolved"), "disturbances") == d) << json.dump();
+  EXPECT_TRUE(same(read_disturbances(config::node_from_json(json, "resolved"), "disturbances"), d)) << json.dump();
   EXPECT_EQ(to_json(read_disturbances(config::node_from_json(json, "resolved"), "disturbances")), json);
 }
 

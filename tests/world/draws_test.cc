@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "controller/config/json_node.h"
-#include "world/scenario/apportion.h"
 #include "world/scenario/distribution.h"
 #include "world/scenario/worlds.h"
 #include "world/sensing/streams.h"

@@ -1,5 +1,5 @@
 // Dead reckoning, detection and the drives: each error alone against its definition, worked out here in another way.
-#include "world/sensing/odometry.h"
+#include "world/sensing/sensing.h"
 
 #include <gtest/gtest.h>
 

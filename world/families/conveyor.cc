@@ -1,5 +1,4 @@
 #include <cmath>
-#include <utility>
 
 #include "world/scenario/family.h"
 #include "world/scenario/objects.h"
@@ -51,12 +50,7 @@ bool build(const Conveyor& p, SceneBuilder& builder, World& world) {
   const Vector3 forward = sense * Vector3(std::cos(heading), std::sin(heading), 0.0);
   const Vector3 from = world.goal.X_WG.translation();
   const double leg = length / speed;
-  PathMotion motion;
-  for (int k = 0; k * leg < p.duration + leg; ++k) {
-    motion.times.push_back(k * leg);
-    motion.positions.emplace_back(k % 2 == 0 ? from : Vector3(from + length * forward));
-  }
-  world.goal.motion = std::move(motion);
+  world.goal.motion = to_and_fro(from, from + length * forward, leg, p.duration);
 
   const Vector3 way(from.x(), from.y(), 0.0);  // the start is the origin
   const Vector3 left = way.norm() > 1e-6 ? Vector3(Vector3(-way.y(), way.x(), 0.0).normalized()) : Vector3::UnitY();

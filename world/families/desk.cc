@@ -22,11 +22,7 @@ struct Desk {
   Distribution sideways{Uniform{-0.2, 0.2}};  ///< [m]
   double thickness = 0.04;                    ///< [m]
   Count items{Uniform{0.0, 5.0}};
-  ObjectMix items_mix{.standing = 1.0,
-                      .sphere_radius = Distribution(Uniform{0.03, 0.06}),
-                      .box_edge = Distribution(Uniform{0.05, 0.15}),
-                      .capsule_radius = Distribution(Uniform{0.02, 0.05}),
-                      .standing_height = Distribution(Uniform{0.08, 0.3})};
+  ObjectMix items_mix = small_things();
 };
 
 constexpr void describe(auto& v, Of<Desk>) {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,11 +32,7 @@ struct Home {
   Distribution piece_width{Uniform{0.6, 1.2}};  ///< [m]
   Distribution piece_depth{Uniform{0.3, 0.5}};  ///< [m]
   Count items{Uniform{0.0, 3.0}};               ///< things on a table
-  ObjectMix items_mix{.standing = 1.0,
-                      .sphere_radius = Distribution(Uniform{0.03, 0.06}),
-                      .box_edge = Distribution(Uniform{0.05, 0.15}),
-                      .capsule_radius = Distribution(Uniform{0.02, 0.05}),
-                      .standing_height = Distribution(Uniform{0.08, 0.3})};
+  ObjectMix items_mix = small_things();
   Count people{Distribution::Fixed{0.0}};
   double horizon = 120.0;  ///< [s]
   Walk walker{.speed = Distribution(Distribution::Normal{0.8, 0.2}), .margin = 1.4};
@@ -161,14 +156,14 @@ bool build(const Home& p, SceneBuilder& builder, World& world) {
       std::vector<WorldObject> boxes =
           table ? table_boxes(there, {depth, width, high, kBoard}) : shelf_of(there, width - 2.0 * kBoard, depth, high);
       rename(boxes, "piece" + std::to_string(piece + 1));
-      const bool in_door = std::any_of(walls_at.begin(), walls_at.end(),
-                                       [&](double at) { return std::abs(at - along) < 0.5 * width + kFreeAtDoor; });
+      const bool in_door =
+          std::ranges::any_of(walls_at, [&](double at) { return std::abs(at - along) < 0.5 * width + kFreeAtDoor; });
       const WorldObject whole = furniture_box(there, "", {0.5 * depth, 0.0, 0.5}, {depth, width, 1.0});
-      const bool meets = std::any_of(world.objects.begin(), world.objects.end(), [&](const WorldObject& other) {
+      const bool meets = std::ranges::any_of(world.objects, [&](const WorldObject& other) {
         return !other.name.starts_with("side") &&
                shape_distance(whole.shape, whole.X_WO, other.shape, other.X_WO).d < 0.1;
       });
-      if (in_door || meets || !std::all_of(boxes.begin(), boxes.end(), [&](const WorldObject& box) {
+      if (in_door || meets || !std::ranges::all_of(boxes, [&](const WorldObject& box) {
             return builder.stands_clear(box, builder.clearance());
           })) {
         builder.drawn_again("a piece of furniture not clear of start, goal, doors and others");

@@ -115,7 +115,7 @@ bool build(const PickPlace& p, SceneBuilder& builder, World& world) {
   const RobotModel& model = builder.model();
   const auto robot_clear_of = [&](const WorldObject& solid) {
     const Kinematics& at = builder.further();
-    return std::all_of(model.shapes.begin(), model.shapes.end(), [&](const CollisionShape& shape) {
+    return std::ranges::all_of(model.shapes, [&](const CollisionShape& shape) {
       return shape_distance(shape.shape, at.X_WS(shape), solid.shape, solid.X_WO).d >= clearance;
     });
   };

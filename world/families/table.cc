@@ -1,4 +1,3 @@
-
 #include "world/scenario/family.h"
 #include "world/scenario/furniture.h"
 #include "world/scenario/objects.h"
@@ -17,11 +16,7 @@ struct Table {
   Distribution turn{Uniform{-0.4, 0.4}};    ///< [rad]
   double thickness = 0.04;                  ///< [m]
   Count items{Uniform{0.0, 4.0}};
-  ObjectMix items_mix{.standing = 1.0,
-                      .sphere_radius = Distribution(Uniform{0.03, 0.06}),
-                      .box_edge = Distribution(Uniform{0.05, 0.15}),
-                      .capsule_radius = Distribution(Uniform{0.02, 0.05}),
-                      .standing_height = Distribution(Uniform{0.08, 0.3})};
+  ObjectMix items_mix = small_things();
 };
 
 constexpr void describe(auto& v, Of<Table>) {

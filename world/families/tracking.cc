@@ -49,13 +49,7 @@ Vector3 direction(Draws& draws) {
 
 Motion line(const Tracking& p, Draws& draws, const Vector3& from, double speed, double extent) {
   const Vector3 to = from + extent * direction(draws);
-  PathMotion motion;
-  const double leg = extent / speed;
-  for (int k = 0; k * leg < p.duration + leg; ++k) {
-    motion.times.push_back(k * leg);
-    motion.positions.push_back(k % 2 == 0 ? from : to);
-  }
-  return motion;
+  return to_and_fro(from, to, extent / speed, p.duration);
 }
 
 Motion circle(const Tracking& p, Draws& draws, bool mobile, const Vector3& from, double speed, double extent) {
@@ -123,8 +117,7 @@ bool follows(const Tracking& p, SceneBuilder& builder, const World& world) {
     for (Eigen::Index i = 0; i < moved.size(); ++i)
       if (std::abs(moved[i]) > most[i]) return builder.reject("tracking: too fast to follow (speed)");
     for (int j = 0; j < model.num_joints(); ++j)
-      if (at.q[j] < model.joints[static_cast<std::size_t>(j)].lower ||
-          at.q[j] > model.joints[static_cast<std::size_t>(j)].upper)
+      if (at.q[j] < model.joint(j).lower || at.q[j] > model.joint(j).upper)
         return builder.reject("tracking: following it ends at a joint limit");
     if (k % 5 == 0 && !builder.check_configuration(at, p.placement)) return false;
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "controller/model/floor_reach.h"
 #include "world/holding.h"
@@ -59,7 +58,7 @@ void ContactLog::add(const Touch& touch, double time) {
 }
 
 void ContactLog::sort() {
-  std::sort(contacts_.begin(), contacts_.end(), [](const Contact& a, const Contact& b) {
+  std::ranges::sort(contacts_, [](const Contact& a, const Contact& b) {
     return std::make_tuple(a.time, a.kind, a.first, a.second) < std::make_tuple(b.time, b.kind, b.first, b.second);
   });
 }
@@ -223,7 +222,7 @@ DetectorCheck CrossCheck::compare(ContactScene& scene) {
   std::vector<Touch> touches;
   scene.detect([&](const Touch& touch) { touches.push_back(touch); });
   const auto touched = [&](PairKind kind, int first, int second) {
-    return std::any_of(touches.begin(), touches.end(), [&](const Touch& touch) {
+    return std::ranges::any_of(touches, [&](const Touch& touch) {
       return touch.kind == kind && touch.first == first && touch.second == second;
     });
   };

@@ -125,7 +125,7 @@ class DifferentialBase final : public OdeBase {
   }
 
   bool healthy(double limit) const override {
-    return std::all_of(wheel_.begin(), wheel_.end(), [&](const Wheel& wheel) {
+    return std::ranges::all_of(wheel_, [&](const Wheel& wheel) {
       const Vector3 v = ode::from_vector(dBodyGetLinearVel(wheel.body));
       return ode::from_vector(dBodyGetPosition(wheel.body)).allFinite() && v.allFinite() && v.norm() <= limit &&
              ode::from_vector(dBodyGetAngularVel(wheel.body)).allFinite();

@@ -58,9 +58,7 @@ std::shared_ptr<const RobotModel> with_hard_pairs(const RobotModel& model) {
   auto copy = std::make_shared<RobotModel>(model);
   copy->self_pairs.clear();
   for (SelfPair pair : model.self_pairs) {
-    if (!hard(model.shapes[static_cast<std::size_t>(pair.first)].shape) &&
-        !hard(model.shapes[static_cast<std::size_t>(pair.second)].shape))
-      continue;
+    if (!hard(model.shape(pair.first).shape) && !hard(model.shape(pair.second).shape)) continue;
     pair.row = true;
     copy->self_pairs.push_back(pair);
   }
@@ -71,8 +69,8 @@ std::shared_ptr<const RobotModel> with_hard_pairs(const RobotModel& model) {
 
 std::unique_ptr<ExactContacts> ExactContacts::make(const RobotModel& model, const World& world,
                                                    const std::vector<bool>& meets_floor) {
-  const bool any = std::any_of(model.shapes.begin(), model.shapes.end(), [](const auto& s) { return hard(s.shape); }) ||
-                   std::any_of(world.objects.begin(), world.objects.end(), [](const auto& o) { return hard(o.shape); });
+  const bool any = std::ranges::any_of(model.shapes, [](const auto& s) { return hard(s.shape); }) ||
+                   std::ranges::any_of(world.objects, [](const auto& o) { return hard(o.shape); });
   if (!any) return nullptr;
   return std::unique_ptr<ExactContacts>(new ExactContacts(with_hard_pairs(model), world, meets_floor));
 }
@@ -92,7 +90,7 @@ bool ExactContacts::overlaps(const ProximityPair& pair, const Kinematics& kinema
                              const std::vector<ObjectState>& states) const {
   const double d = pair.distance.d;
   if (d <= 0.0) return true;
-  const CollisionShape& first = model_->shapes[static_cast<std::size_t>(pair.first)];
+  const CollisionShape& first = model_->shape(pair.first);
   const auto second = static_cast<std::size_t>(pair.second);
   const bool self = pair.kind == PairKind::kSelf;
   const Shape& other = self ? model_->shapes[second].shape : objects_[second];

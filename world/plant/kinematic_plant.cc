@@ -94,7 +94,7 @@ class KinematicPlant final : public Plant {
     integrate(*model_, base, q_, command, dt);
     bool free = true;
     for (int i = 0; stops_ && i < model_->num_joints(); ++i) {
-      const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
+      const ControlledJoint& joint = model_->joint(i);
       const double q = std::min(std::max(q_[i], joint.lower), joint.upper);
       free = free && q == q_[i];
       q_[i] = q;
@@ -112,8 +112,7 @@ class KinematicPlant final : public Plant {
     const int first = model_->base_dof();
     double omega = first > 0 ? std::abs(command[first - 1]) : 0.0, v = first > 0 ? command.head(first - 1).norm() : 0.0;
     for (int i = 0; i < model_->num_joints(); ++i)
-      (model_->joints[static_cast<std::size_t>(i)].type == JointType::kPrismatic ? v : omega) +=
-          std::abs(command[first + i]);
+      (model_->joint(i).type == JointType::kPrismatic ? v : omega) += std::abs(command[first + i]);
     place(base, q_, time_ + duration);
     return watch_->moves_clear(solids_, scene_->object_states(),
                                0.125 * omega * (omega * reach_ + 2.0 * v) * duration * duration);

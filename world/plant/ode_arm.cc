@@ -1,7 +1,5 @@
 #include "world/plant/ode_arm.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace moma {
@@ -112,7 +110,7 @@ void OdeArm::make_joint(dWorldID world, const RigidBody& body, const Kinematics&
   joint.effort = limits.effort;
 
   const Isometry& X_WL = kinematics.X_WL(body.link);
-  const Vector3 axis = X_WL.linear() * model_->links[static_cast<std::size_t>(body.link)].axis;
+  const Vector3 axis = X_WL.linear() * model_->link(body.link).axis;
   const dBodyID child = bodies_[static_cast<std::size_t>(rigid_.of_link[static_cast<std::size_t>(body.link)])];
   const dBodyID parent = body.parent < 0 ? nullptr : bodies_[static_cast<std::size_t>(body.parent)];
   const double half = 0.5 * (limits.upper - limits.lower);

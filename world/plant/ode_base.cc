@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <memory>
 #include <stdexcept>
 
 #include "controller/model/proximity.h"
@@ -94,7 +93,7 @@ std::vector<Vector2> OdeSupport::corners(const RobotModel& model, double radius,
   }
   const Shape probe{ShapeKind::kSphere, Vector3(0.25 * radius, 0.0, 0.0), nullptr};
   const auto covered = [&](const Vector2& p) {
-    return std::any_of(parts.begin(), parts.end(), [&](const Part& part) {
+    return std::ranges::any_of(parts, [&](const Part& part) {
       Isometry X = Isometry::Identity();
       X.translation() = Vector3(p.x(), p.y(), part.box.center().z());
       // Wholly inside: deeper than the probe's own diameter.

@@ -1,13 +1,10 @@
 #include "world/plant/ode_library.h"
 
-#include <ode/ode.h>
-
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
-#include <stdexcept>
 #include <string>
 
 namespace moma::ode {

@@ -119,7 +119,7 @@ class OdePlant final : public Plant {
     kinematics_.update(world.start.base, world.start.q);
     scene_->place_robot(kinematics_);  // for shapes of a fixed base, which have no body
     for (int i = 0; i < static_cast<int>(model_->shapes.size()); ++i) {
-      const CollisionShape& shape = model_->shapes[static_cast<std::size_t>(i)];
+      const CollisionShape& shape = model_->shape(i);
       const dGeomID geom = scene_->robot_geom(i);
       const dBodyID body = arm_.body_of_link(shape.link);
       if (geom == nullptr || body == nullptr) continue;

@@ -40,12 +40,10 @@ using PlantClock = PartClock<PlantPart>;
 
 enum class SimulationMode { kKinematic, kDynamic };
 constexpr auto words(Of<SimulationMode>) { return std::to_array<std::string_view>({"kinematic", "dynamic"}); }
-static_assert(all_worded<SimulationMode>());
 
 /// Effect of a joint beyond its limit in kinematic mode: the trial ends, the joint stops there, or it moves on.
 enum class AtJointLimit { kEnd, kClamp, kIgnore };
 constexpr auto words(Of<AtJointLimit>) { return std::to_array<std::string_view>({"end", "clamp", "ignore"}); }
-static_assert(all_worded<AtJointLimit>());
 
 struct SimulationConfig {
   SimulationMode mode = SimulationMode::kDynamic;

@@ -84,9 +84,9 @@ void add_base_mass(const RobotModel& model, double mass, RigidBody& body) {
 }
 
 void check(const RobotModel& model, const RigidBody& body) {
-  const std::string& name = model.links[static_cast<std::size_t>(body.link)].name;
+  const std::string& name = model.link(body.link).name;
   if (body.joint >= 0) {
-    const ControlledJoint& joint = model.joints[static_cast<std::size_t>(body.joint)];
+    const ControlledJoint& joint = model.joint(body.joint);
     if (!(joint.effort > 0.0))
       throw std::runtime_error(fmt::format(
           "robot {}: joint '{}' has no effort limit; dynamic simulation needs one: give it as arm.limits.{}.effort",

@@ -40,7 +40,7 @@ int Distribution::sample_count(Draws& draws) const {
   return static_cast<int>(std::lround(sample(draws)));
 }
 
-nlohmann::ordered_json Distribution::to_json() const {
+Json Distribution::to_json() const {
   if (form_.kind == Kind::kFixed) return form_.numbers[0];
   return {{std::string(to_string(form_.kind)), form_.numbers}};
 }

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "controller/config/json.h"
 #include "controller/config/reader.h"
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
@@ -43,7 +43,7 @@ class Distribution {
   /// Draws a whole number: all from low to high of a uniform are equally likely; other distributions are rounded.
   int sample_count(Draws& draws) const;
   /// Returns the input of read().
-  nlohmann::ordered_json to_json() const;
+  Json to_json() const;
   /// Returns the same as YAML.
   std::string text() const;
 
@@ -77,8 +77,8 @@ struct Count {
 // The functions that readers, writers and tables of described structs need for this value.
 void read_value(const config::Node& node, const std::string& key, Distribution& value, const About& about);
 void read_value(const config::Node& node, const std::string& key, Count& value, const About& about);
-inline nlohmann::ordered_json write_value(const Distribution& value, const About&) { return value.to_json(); }
-inline nlohmann::ordered_json write_value(const Count& value, const About&) { return value.distribution.to_json(); }
+inline Json write_value(const Distribution& value, const About&) { return value.to_json(); }
+inline Json write_value(const Count& value, const About&) { return value.distribution.to_json(); }
 std::string accepted(Of<Distribution>, const About& about);
 std::string accepted(Of<Count>, const About& about);
 inline std::string text_of(const Distribution& value) { return value.text(); }

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "controller/config/json.h"
 #include "controller/config/read_described.h"
 #include "controller/config/write_described.h"
 #include "controller/describe/complete.h"
@@ -22,7 +22,7 @@ class Family {
  public:
   virtual ~Family() = default;
   /// Returns all parameters, defaults included; the family's reader accepts the same keys.
-  virtual nlohmann::ordered_json to_json() const = 0;
+  virtual Json to_json() const = 0;
   /// Tries to make a world once. False after builder.reject().
   virtual bool build(SceneBuilder& builder, World& world) const = 0;
 };
@@ -57,7 +57,7 @@ FamilyType family_type(std::string_view text) {
   class Model final : public Family {
    public:
     explicit Model(T parameters) : parameters_(std::move(parameters)) {}
-    nlohmann::ordered_json to_json() const override { return config::write_described(parameters_); }
+    Json to_json() const override { return config::write_described(parameters_); }
     bool build(SceneBuilder& builder, World& world) const override {
       return families::build_world(parameters_, builder, world);
     }

@@ -21,7 +21,6 @@
 namespace moma {
 namespace {
 
-namespace fs = std::filesystem;
 using config::Node;
 
 constexpr double kSlab = 0.2, kSlabEdge = 20.0;  // size of the slab that replaces a plane [m]

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,11 +29,10 @@ struct ForeignWorlds {
 /// the end effector are held (World::held), several shapes as their convex hull. Each of these changes is noted, as are
 /// worlds that start or end in contact. Throws config::ConfigError with file and line for other content, for unknown
 /// shapes and goals, for joints that the robot does not control, and for objects attached to other links.
-ForeignWorlds read_foreign(const std::shared_ptr<const RobotModel>& model,
-                           const std::vector<std::filesystem::path>& files);
+ForeignWorlds read_foreign(const std::shared_ptr<const RobotModel>& model, const std::vector<fs::path>& files);
 
 /// Reads the text form of MoveIt's planning scene (.scene, also that without poses of objects) as the tree that its
 /// YAML form has. Subframes and colours are left out. Throws config::ConfigError with file and line.
-config::Node read_moveit_text(const std::filesystem::path& file);
+config::Node read_moveit_text(const fs::path& file);
 
 }  // namespace moma

@@ -1,10 +1,6 @@
 #include "world/scenario/furniture.h"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
-
-#include "world/scenario/objects.h"
 
 namespace moma {
 

@@ -13,7 +13,7 @@ Hand hand_at_witness(SceneBuilder& builder, const World& world, const std::strin
   at.update(world.witness.base, world.witness.q);
   std::vector<std::pair<const Shape*, Isometry>> shapes;
   for (const int i : builder.model().hand_shapes()) {
-    const CollisionShape& shape = builder.model().shapes[static_cast<std::size_t>(i)];
+    const CollisionShape& shape = builder.model().shape(i);
     shapes.emplace_back(&shape.shape, at.X_WS(shape));
   }
 

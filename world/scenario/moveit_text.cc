@@ -14,11 +14,9 @@
 namespace moma {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 class MoveItText {
  public:
-  explicit MoveItText(const std::filesystem::path& file) : file_(file.string()), text_(config::read_text_file(file)) {}
+  explicit MoveItText(const fs::path& file) : file_(file.string()), text_(config::read_text_file(file)) {}
 
   Json scene() {
     next("the scene's name");
@@ -150,7 +148,7 @@ class MoveItText {
 
 }  // namespace
 
-config::Node read_moveit_text(const std::filesystem::path& file) {
+config::Node read_moveit_text(const fs::path& file) {
   return config::node_from_json(MoveItText(file).scene(), file.string());
 }
 

@@ -31,8 +31,8 @@ void read_value(const config::Node& node, const std::string& key, SolidKinds& va
     value.kinds.push_back(config::read_word<ShapeKind>(item, key, kDrawnKinds));
 }
 
-nlohmann::ordered_json write_value(const SolidKinds& value, const About&) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Json write_value(const SolidKinds& value, const About&) {
+  Json list = Json::array();
   for (const ShapeKind kind : value.kinds) list.push_back(to_string(kind));
   return list;
 }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -20,7 +18,7 @@ struct SolidKinds {
 };
 
 void read_value(const config::Node& node, const std::string& key, SolidKinds& value, const About& about);
-nlohmann::ordered_json write_value(const SolidKinds& value, const About& about);
+Json write_value(const SolidKinds& value, const About& about);
 std::string accepted(Of<SolidKinds>, const About& about);
 std::string text_of(const SolidKinds& value);
 
@@ -40,6 +38,16 @@ struct ObjectMix {
   /// orientation, and are lifted if they would penetrate the floor.
   void sample(Draws& draws, double x, double y, WorldObject& object) const;
 };
+
+/// Things that stand on furniture.
+inline ObjectMix small_things() {
+  using Uniform = Distribution::Uniform;
+  return {.standing = 1.0,
+          .sphere_radius = Distribution(Uniform{0.03, 0.06}),
+          .box_edge = Distribution(Uniform{0.05, 0.15}),
+          .capsule_radius = Distribution(Uniform{0.02, 0.05}),
+          .standing_height = Distribution(Uniform{0.08, 0.3})};
+}
 
 constexpr void describe(auto& v, Of<ObjectMix>) {
   using T = ObjectMix;

@@ -66,8 +66,8 @@ bool SceneBuilder::reject(const std::string& constraint) {
 }
 
 std::string SceneBuilder::worst_constraint() const {
-  const auto worst = std::max_element(rejections_.begin(), rejections_.end(),
-                                      [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto worst =
+      std::ranges::max_element(rejections_, [](const auto& a, const auto& b) { return a.second < b.second; });
   if (worst == rejections_.end()) return "no constraint failed";
   return worst->first + " (" + std::to_string(worst->second) + " times)";
 }
@@ -88,9 +88,8 @@ bool SceneBuilder::check_pose(const Kinematics& kinematics, double floor_clearan
   const auto& pairs = proximity_.query(kinematics, {}, {-1.0, -1.0, self_clearance});
   if (pairs.empty()) return true;
   if (!at_ready) return reject(who + ": self-collision");
-  return reject(fmt::format("{}: at arm.ready shapes {} and {} touch", who,
-                            model_->shapes[static_cast<std::size_t>(pairs.front().first)].name,
-                            model_->shapes[static_cast<std::size_t>(pairs.front().second)].name));
+  return reject(fmt::format("{}: at arm.ready shapes {} and {} touch", who, model_->shape(pairs.front().first).name,
+                            model_->shape(pairs.front().second).name));
 }
 
 // Places the bases with the arm at `ready`; returns the rest of the goal's draws.
@@ -126,7 +125,7 @@ bool SceneBuilder::place_goal(const Placement& placement, World& world) {
 
 void SceneBuilder::draw_arm(const Placement& placement, Draws& from, VectorX& q) const {
   for (int i = 0; i < model_->num_joints(); ++i) {
-    const JointRange range = kept_range(placement, model_->joints[static_cast<std::size_t>(i)]);
+    const JointRange range = kept_range(placement, model_->joint(i));
     q[i] = from.uniform(range.lower, range.upper);
   }
 }
@@ -222,7 +221,7 @@ bool SceneBuilder::place_pair(const Placement& placement, double range, World& w
   Draws at_start = draws(Stream::kStart, 1);
   const auto draw = [&](Draws& from, VectorX& q) {
     for (int i = 0; i < model_->num_joints(); ++i) {
-      const ControlledJoint& joint = model_->joints[static_cast<std::size_t>(i)];
+      const ControlledJoint& joint = model_->joint(i);
       const auto [low, high] = drawn_range(joint);
       q[i] = 0.5 * (low + high) + 0.5 * range * (high - low) * from.uniform(-1.0, 1.0);
     }
@@ -253,7 +252,7 @@ bool SceneBuilder::check_configuration(const Configuration& configuration, const
 
 Vector3 SceneBuilder::approach(double apart) const {
   const Vector3 tool = witness_.X_WE().translation();
-  for (int link = model_->tip; link > 0; link = model_->links[static_cast<std::size_t>(link)].parent) {
+  for (int link = model_->tip; link > 0; link = model_->link(link).parent) {
     const Vector3 reach = tool - witness_.X_WL(link).translation();
     if (reach.norm() >= apart) return reach.normalized();
   }
@@ -326,7 +325,7 @@ bool SceneBuilder::stands_near(const WorldObject& object, double at_witness) {
   const double range = std::max(room_.clearance, at_witness) + 1e-3;
   return nearest(proximity_.query(start_, one_, only_objects(range)), range) > room_.clearance &&
          nearest(proximity_.query(witness_, one_, only_objects(range)), range) >= at_witness &&
-         std::all_of(further_.begin(), further_.end(), [&](const Kinematics& at) {
+         std::ranges::all_of(further_, [&](const Kinematics& at) {
            return nearest(proximity_.query(at, one_, only_objects(range)), range) >= at_witness;
          });
 }

@@ -14,7 +14,6 @@ namespace {
 
 using config::MapReader;
 using config::Node;
-using Json = nlohmann::ordered_json;
 
 std::vector<std::string> read_joints(const Node& node, const std::string& key) {
   if (node.kind != Node::Kind::kSequence || node.items.empty())
@@ -22,7 +21,7 @@ std::vector<std::string> read_joints(const Node& node, const std::string& key) {
   std::vector<std::string> joints;
   for (const Node& item : node.items) {
     joints.push_back(config::read_string(item, key));
-    if (std::count(joints.begin(), joints.end(), joints.back()) > 1)
+    if (std::ranges::count(joints, joints.back()) > 1)
       config::fail(item.mark, key, "'" + joints.back() + "' is named twice");
   }
   return joints;
@@ -138,8 +137,8 @@ World Scenes::make(const std::shared_ptr<const RobotModel>& model, std::uint64_t
   world.start = {at.scene->base, VectorX::Zero(model->num_joints())};
   world.witness = world.start;
   for (int i = 0; i < model->num_joints(); ++i) {
-    const std::string& joint = model->joints[static_cast<std::size_t>(i)].name;
-    const auto found = std::find(joints_.begin(), joints_.end(), joint);
+    const std::string& joint = model->joint(i).name;
+    const auto found = std::ranges::find(joints_, joint);
     if (found == joints_.end() || static_cast<int>(joints_.size()) != model->num_joints())
       throw GenerationError(fmt::format("worlds.scenes: the problems are of the joints {}, and robot {} controls {}{}",
                                         fmt::join(joints_, ", "), model->name, model->num_joints(),

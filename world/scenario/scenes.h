@@ -2,10 +2,10 @@
 
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "controller/config/json.h"
 #include "controller/config/node.h"
 #include "controller/model/robot_model.h"
 #include "world/world.h"
@@ -36,7 +36,7 @@ class Scenes {
   /// config::ConfigError.
   static Scenes read(const config::Node& node, const std::string& key);
   /// Returns the input of read().
-  nlohmann::ordered_json to_json() const;
+  Json to_json() const;
 
   std::uint64_t size() const { return size_; }
   /// Returns a problem: scene by scene in the file's order, pairs (0, 1), (0, 2), ... Index below size(). Throws
@@ -44,7 +44,7 @@ class Scenes {
   World make(const std::shared_ptr<const RobotModel>& model, std::uint64_t index) const;
   const std::string& family_of(std::uint64_t index) const { return place(index).scene->name; }
   /// Returns all inputs that determine the world besides the robot.
-  nlohmann::ordered_json identity(std::uint64_t index) const;
+  Json identity(std::uint64_t index) const;
 
  private:
   struct Place {

@@ -3,17 +3,45 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "controller/config/json.h"
 #include "controller/config/node.h"
 #include "controller/describe/keys.h"
 #include "world/world.h"
 
 namespace moma {
+
+/// Distributes the indices 0, 1, 2, ... evenly among families by weight. In every prefix of n indices family i has at
+/// least floor(n w_i) and at most ceil(n w_i), with w_i its share of the sum, so that a prefix in which all n w_i are
+/// whole is exact. A family of weight zero gets no index and changes nothing. Source: the quota method, Balinski &
+/// Young, Fair Representation, 1982.
+class Apportionment {
+ public:
+  /// Weights must be finite and >= 0, with at least one above 0.
+  explicit Apportionment(std::vector<double> weights);
+
+  /// Returns the family of an index as its position in the weights. Thread-safe. Keeps its results, one byte per index:
+  /// whole weights repeat after their sum, others are distributed for indices below kMost. Throws GenerationError
+  /// beyond.
+  int family_of(std::uint64_t index) const;
+  static constexpr std::uint64_t kMost = 100'000'000;
+
+ private:
+  int next() const;
+
+  std::vector<double> weights_;
+  double sum_ = 0.0;
+  std::uint64_t period_ = 0;  ///< period of the pattern; 0: unknown
+  int only_ = -1;             ///< the only family with a weight, or -1
+  mutable std::mutex mutex_;
+  mutable std::vector<std::uint64_t> counts_;
+  mutable std::vector<std::uint8_t> given_;
+};
 
 struct MakingLog {
   std::uint64_t worlds = 0;                         ///< that were made
@@ -27,7 +55,7 @@ class Worlds {
   /// Reads `worlds: {seed, clearance, families: {...}}` or `{frozen: PATH}` or `{scenes: PATH}`. Throws
   /// config::ConfigError.
   static Worlds read(const config::Node& node, const std::string& key);
-  nlohmann::ordered_json to_json() const;
+  Json to_json() const;
 
   /// Returns world `index`: a pure function of (this section, robot, seed, index). Families share the indices by
   /// weight: every prefix 0..n-1 has each family within one of its share, and exactly in full cycles. Throws
@@ -39,7 +67,7 @@ class Worlds {
   std::string family_of(std::uint64_t index) const;
   /// Returns all inputs that determine world `index` besides the robot: seed, index, its family's own parameters (or
   /// the frozen world itself), without other families of the mixture. Part of a trial's key.
-  nlohmann::ordered_json identity(std::uint64_t index, const Moves& moves = {}) const;
+  Json identity(std::uint64_t index, const Moves& moves = {}) const;
   /// Returns the families' shares of the worlds, which sum to 1; empty if worlds are not drawn by families.
   std::vector<std::pair<std::string, double>> shares() const;
   double clearance() const;

@@ -53,7 +53,7 @@ const VectorX& Actuation::act(long k, const VectorX& command) {
   using enum DisturbanceSource;
   late_base_.pass(k, base_, [&] { return streams_.acting(kBaseCommandArrival, k); });
   late_joints_.pass(k, joints_, [&] { return streams_.acting(kJointCommandArrival, k); });
-  if (errors_.base.deadband != TwistSpread{} && base_dof_ > 0) {
+  if (!is_off(errors_.base.deadband) && base_dof_ > 0) {
     const int linear = base_dof_ - 1;
     if (base_.head(linear).norm() <= errors_.base.deadband.linear) base_.head(linear).setZero();
     if (std::abs(base_[linear]) <= errors_.base.deadband.angular) base_[linear] = 0.0;
@@ -62,7 +62,7 @@ const VectorX& Actuation::act(long k, const VectorX& command) {
   applied_.tail(joints_.size()) = joints_;
   applied_.array() *= factor_.array();
   lag_behind();
-  if (errors_.base.ramps != BaseRamps{} && base_dof_ > 0) {
+  if (!is_off(errors_.base.ramps) && base_dof_ > 0) {
     Vector3 wanted = Vector3::Zero();
     for (int i = 0; i < base_dof_; ++i) wanted[i + 1 == base_dof_ ? 2 : i] = applied_[i];
     follow(wanted);

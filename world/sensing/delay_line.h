@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "world/draws.h"
@@ -93,7 +92,7 @@ class LateLine {
   /// own draws; it is called only if they matter.
   template <class MakeDraws>
   void pass(long k, T& value, MakeDraws draws) {
-    if (irregularity_ == Irregularity{})
+    if (is_off(irregularity_))
       line_.pass(k, value);
     else
       line_.pass(k, value, arrival(irregularity_, jitter_, draws()));

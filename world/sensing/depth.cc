@@ -80,7 +80,7 @@ void DepthSensing::sense(long k, const Vector3& base, const VectorX& q, std::spa
     sent.frame.time = static_cast<double>(k) * dt_;
     measure(frames_.view(i), streams_.sensing(DisturbanceSource::kDepthNoise, k, kSensors + sensor), sent.frame.ranges);
     const long more =
-        irregularity_ == Irregularity{}
+        is_off(irregularity_)
             ? 0
             : arrival(irregularity_, jitter_, streams_.sensing(DisturbanceSource::kDepthArrival, k, kSensors + sensor));
     sent.due = k == 0 ? 0 : more < 0 ? kNone : k + delay_ + more;
@@ -97,7 +97,7 @@ void DepthSensing::measure(const RayView& view, Draws draws, VectorX& ranges) co
     if (falls > 0.0 && height > 0.0) r = std::min(r, height / falls);
     ranges[i] = r <= view.range() ? r : std::numeric_limits<double>::infinity();
   }
-  if (errors_ == RangeErrors{}) return;
+  if (is_off(errors_)) return;
   // As many draws for each ray, so that no ray's errors depend on what another one met.
   for (Eigen::Index i = 0; i < ranges.size(); i += 2) {
     const Eigen::Index both = std::min<Eigen::Index>(2, ranges.size() - i);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "controller/config/read_described.h"
 #include "controller/config/text_file.h"
@@ -32,20 +31,19 @@ bool senses_with_errors(const Disturbances& disturbances) {
   reduced.payload = off.payload;
   reduced.floor = off.floor;
   reduced.control = off.control;
-  return reduced != off;
+  return !is_off(reduced);
 }
 
 bool acts_with_errors(const Disturbances& disturbances) {
   Actuators reduced = disturbances.actuators;
   reduced.joints.friction = {};
-  return reduced != Actuators{};
+  return !is_off(reduced);
 }
 
 bool moves_with_errors(const Disturbances& disturbances) {
   UnknownPayload payload = disturbances.payload;
   payload.position = {};
-  return disturbances.actuators.joints.friction != JointFriction{} || payload != UnknownPayload{} ||
-         disturbances.floor != FloorFriction{};
+  return !is_off(disturbances.actuators.joints.friction) || !is_off(payload) || !is_off(disturbances.floor);
 }
 
 long delay_steps(double delay, double control_period) {
@@ -65,7 +63,7 @@ Disturbances read_disturbances(const config::Node& node, const std::string& key)
     }
     const auto file = config::directory_of(node.mark) / node.scalar;
     std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) config::fail(node.mark, key, "no such file: " + file.string());
+    if (!fs::is_regular_file(file, error)) config::fail(node.mark, key, "no such file: " + file.string());
     const config::Node inside = config::load_yaml(file);
     if (inside.kind == config::Node::Kind::kScalar) {
       config::fail(inside.mark, "", "found '" + config::shortened(inside.scalar) + "', expected a map of disturbances");
@@ -77,8 +75,8 @@ Disturbances read_disturbances(const config::Node& node, const std::string& key)
   return out;
 }
 
-nlohmann::ordered_json to_json(const Disturbances& disturbances) {
-  if (!any(disturbances)) return nlohmann::ordered_json::object();
+Json to_json(const Disturbances& disturbances) {
+  if (!any(disturbances)) return Json::object();
   Disturbances said = disturbances;
   // Without a payload its position is not written, and does not enter a trial's key.
   if (said.payload.mass == 0.0 && said.payload.spread == 0.0) said.payload = {};

@@ -8,6 +8,7 @@
 
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
+#include "controller/describe/equal.h"
 
 namespace moma {
 
@@ -36,7 +37,6 @@ constexpr About about(std::string_view text) { return {.written = Written::kUnle
 struct PoseSpread {
   double position = 0.0;
   double rotation = 0.0;
-  bool operator==(const PoseSpread&) const = default;
 };
 
 constexpr void describe(auto& v, Of<PoseSpread>) {
@@ -48,7 +48,6 @@ constexpr void describe(auto& v, Of<PoseSpread>) {
 struct TwistSpread {
   double linear = 0.0;
   double angular = 0.0;
-  bool operator==(const TwistSpread&) const = default;
 };
 
 constexpr void describe(auto& v, Of<TwistSpread>) {
@@ -61,7 +60,6 @@ constexpr void describe(auto& v, Of<TwistSpread>) {
 struct Irregularity {
   double jitter = 0.0;   ///< [s]
   double dropout = 0.0;  ///< [1]
-  bool operator==(const Irregularity&) const = default;
 };
 
 constexpr void describe(auto& v, Of<Irregularity>) {
@@ -80,7 +78,6 @@ struct JointSensing {
   Irregularity irregularity{};
   double resolution = 0.0;           ///< [rad or m]
   double velocity_resolution = 0.0;  ///< [rad/s or m/s]
-  bool operator==(const JointSensing&) const = default;
 };
 
 constexpr void describe(auto& v, Of<JointSensing>) {
@@ -101,7 +98,6 @@ struct WheelSlip {
   double rate = 0.0;      ///< [1/m]
   double distance = 0.0;  ///< [m]
   double turn = 0.0;      ///< [rad]
-  bool operator==(const WheelSlip&) const = default;
 };
 
 constexpr void describe(auto& v, Of<WheelSlip>) {
@@ -112,14 +108,13 @@ constexpr void describe(auto& v, Of<WheelSlip>) {
   v.member("turn", &T::turn, about("rad", kSpread, "error of the measured turn by a slip"));
 }
 
-/// Errors of dead reckoning that grow with the distance (odometry.h).
+/// Errors of dead reckoning that grow with the distance (Odometry, sensing.h).
 struct OdometryErrors {
   double distance = 0.0;  ///< [1]
   double turn = 0.0;      ///< [1]
   double heading = 0.0;   ///< [rad/m]
   PoseSpread walk;        ///< [m per sqrt(m), rad per sqrt(m)]
   WheelSlip slip{};
-  bool operator==(const OdometryErrors&) const = default;
 };
 
 constexpr void describe(auto& v, Of<OdometryErrors>) {
@@ -141,7 +136,6 @@ struct BaseSensing {
   Irregularity irregularity{};
   TwistSpread velocity_resolution;  ///< [m/s, rad/s]
   OdometryErrors odometry;
-  bool operator==(const BaseSensing&) const = default;
 };
 
 constexpr void describe(auto& v, Of<BaseSensing>) {
@@ -171,7 +165,6 @@ struct PoseSensing {
   double delay = 0.0;  ///< [s]
   Irregularity irregularity{};
   double noise_growth = 0.0;  ///< [1/m^2]
-  bool operator==(const PoseSensing&) const = default;
 };
 
 constexpr void describe(auto& v, Of<PoseSensing>) {
@@ -194,7 +187,6 @@ constexpr void describe(auto& v, Of<PoseSensing>) {
 struct MissedDetections {
   double probability = 0.0;  ///< [1]
   double duration = 0.2;     ///< duration of a span [s]
-  bool operator==(const MissedDetections&) const = default;
 };
 
 constexpr void describe(auto& v, Of<MissedDetections>) {
@@ -213,7 +205,6 @@ struct FalseDetections {
   double nearest = 0.5;      ///< distance of the centres from the base's middle, in the plane [m]
   double furthest = 3.0;     ///< [m]
   double height = 1.2;       ///< upper bound of the centres' height, from 0 [m]
-  bool operator==(const FalseDetections&) const = default;
 };
 
 constexpr void describe(auto& v, Of<FalseDetections>) {
@@ -241,7 +232,6 @@ struct RangeErrors {
   double noise = 0.0;    ///< [m]
   double growth = 0.0;   ///< [1/m]
   double missing = 0.0;  ///< probability that a ray has no measurement [1]
-  bool operator==(const RangeErrors&) const = default;
 };
 
 constexpr void describe(auto& v, Of<RangeErrors>) {
@@ -271,7 +261,6 @@ struct DetectionRule {
   FalseDetections phantoms{};
   SeenBy seen_by = SeenBy::kRule;
   RangeErrors ranges{};
-  bool operator==(const DetectionRule&) const = default;
 };
 
 constexpr void describe(auto& v, Of<DetectionRule>) {
@@ -301,7 +290,6 @@ constexpr void describe(auto& v, Of<DetectionRule>) {
 struct JointFriction {
   double effort = 0.0;  ///< [1]
   double spread = 0.0;  ///< [1]
-  bool operator==(const JointFriction&) const = default;
 };
 
 constexpr void describe(auto& v, Of<JointFriction>) {
@@ -318,7 +306,6 @@ struct JointDrives {
   JointFriction friction;
   Irregularity irregularity{};
   double lag = 0.0;  ///< [s]
-  bool operator==(const JointDrives&) const = default;
 };
 
 constexpr void describe(auto& v, Of<JointDrives>) {
@@ -337,7 +324,6 @@ constexpr void describe(auto& v, Of<JointDrives>) {
 struct GainSpread {
   double linear = 0.0;
   double angular = 0.0;
-  bool operator==(const GainSpread&) const = default;
 };
 
 constexpr void describe(auto& v, Of<GainSpread>) {
@@ -351,7 +337,6 @@ constexpr void describe(auto& v, Of<GainSpread>) {
 struct BaseRamps {
   double speed_up = 1.0;   ///< [1]
   double slow_down = 1.0;  ///< [1]
-  bool operator==(const BaseRamps&) const = default;
 };
 
 constexpr void describe(auto& v, Of<BaseRamps>) {
@@ -370,7 +355,6 @@ struct BaseDrive {
   TwistSpread deadband{};  ///< [m/s, rad/s]
   BaseRamps ramps{};
   double lag = 0.0;  ///< [s]
-  bool operator==(const BaseDrive&) const = default;
 };
 
 constexpr void describe(auto& v, Of<BaseDrive>) {
@@ -387,7 +371,6 @@ constexpr void describe(auto& v, Of<BaseDrive>) {
 struct Actuators {
   JointDrives joints;
   BaseDrive base;
-  bool operator==(const Actuators&) const = default;
 };
 
 constexpr void describe(auto& v, Of<Actuators>) {
@@ -399,7 +382,6 @@ constexpr void describe(auto& v, Of<Actuators>) {
 /// never missed. Sensors continue to measure.
 struct ControlTicks {
   double missed = 0.0;  ///< [1]
-  bool operator==(const ControlTicks&) const = default;
 };
 
 constexpr void describe(auto& v, Of<ControlTicks>) {
@@ -412,7 +394,6 @@ struct UnknownPayload {
   double mass = 0.0;                    ///< [kg]
   double spread = 0.0;                  ///< [kg]
   std::array<double, 3> position = {};  ///< [m]
-  bool operator==(const UnknownPayload&) const = default;
 };
 
 constexpr void describe(auto& v, Of<UnknownPayload>) {
@@ -428,7 +409,6 @@ constexpr void describe(auto& v, Of<UnknownPayload>) {
 struct FloorFriction {
   double friction = 1.0;  ///< [1]
   double spread = 0.0;    ///< [1]
-  bool operator==(const FloorFriction&) const = default;
 };
 
 constexpr void describe(auto& v, Of<FloorFriction>) {
@@ -450,7 +430,6 @@ struct Disturbances {
   UnknownPayload payload;
   FloorFriction floor;
   ControlTicks control;
-  bool operator==(const Disturbances&) const = default;
 };
 
 constexpr void describe(auto& v, Of<Disturbances>) {
@@ -471,6 +450,11 @@ constexpr void describe(auto& v, Of<Disturbances>) {
   v.member("control", &T::control, about("missed control periods, in which the last command continues"));
 }
 
+/// True if a part of the disturbances is as by default: it switches nothing on.
+template <class Part>
+bool is_off(const Part& part) {
+  return same(part, Part{});
+}
 /// True if the controller sees anything but the true state. Seed, frames and the sensor's position alone switch nothing
 /// on.
 bool senses_with_errors(const Disturbances& disturbances);
@@ -479,7 +463,7 @@ bool acts_with_errors(const Disturbances& disturbances);
 /// True if the physics may differ from the robot file's. The payload's position alone switches nothing on.
 bool moves_with_errors(const Disturbances& disturbances);
 inline bool any(const Disturbances& d) {
-  return senses_with_errors(d) || acts_with_errors(d) || moves_with_errors(d) || d.control != ControlTicks{};
+  return senses_with_errors(d) || acts_with_errors(d) || moves_with_errors(d) || !is_off(d.control);
 }
 
 /// Returns the least number of control periods that last at least `delay` [s], with a tolerance of a billionth of a

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "controller/config/json.h"
 #include "controller/config/node.h"
 #include "world/sensing/disturbances.h"
 
@@ -14,6 +14,6 @@ Disturbances read_disturbances(const config::Node& node, const std::string& key)
 
 /// Returns only the members that differ from the defaults; {} if nothing is on. Future disturbances therefore do not
 /// change the keys of trials. read_disturbances() restores the same, bit for bit, if anything is on.
-nlohmann::ordered_json to_json(const Disturbances& disturbances);
+Json to_json(const Disturbances& disturbances);
 
 }  // namespace moma

@@ -4,9 +4,59 @@
 #include <cmath>
 #include <numbers>
 
-#include "world/sensing/streams.h"
-
 namespace moma {
+
+namespace {
+
+Vector2 turned(double angle, const Vector2& v) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+}
+
+}  // namespace
+
+Odometry::Odometry(const OdometryErrors& errors, const DisturbanceStreams& streams)
+    : errors_(errors), streams_(streams), on_(!is_off(errors)) {
+  using enum DisturbanceSource;
+  distance_ = streams_.sensing(kOdometryDistance, 0).normal(0.0, errors_.distance);
+  turn_ = streams_.sensing(kOdometryTurn, 0).normal(0.0, errors_.turn);
+  heading_ = streams_.sensing(kOdometryHeading, 0).normal(0.0, errors_.heading);
+}
+
+Vector3 Odometry::update(long k, const Vector3& pose) {
+  using enum DisturbanceSource;
+  if (k == 0) {
+    last_ = reckoned_ = pose;
+    return reckoned_;
+  }
+  const double turn = pose.z() - last_.z();
+  // The chord in the frame turned by half the angle: for an arc it points straight ahead.
+  Vector2 chord = turned(-(last_.z() + 0.5 * turn), pose.head<2>() - last_.head<2>());
+  const double way = chord.norm();
+  double measured_turn = (1.0 + turn_) * turn + heading_ * way;
+  chord *= 1.0 + distance_;
+  const double root = std::sqrt(way);
+  if (errors_.walk.position > 0.0) {
+    Draws draws = streams_.sensing(kOdometryWalkPosition, k);
+    chord.x() += draws.normal(0.0, errors_.walk.position * root);
+    chord.y() += draws.normal(0.0, errors_.walk.position * root);
+  }
+  if (errors_.walk.rotation > 0.0)
+    measured_turn += streams_.sensing(kOdometryWalkRotation, k).normal(0.0, errors_.walk.rotation * root);
+  if (errors_.slip.rate > 0.0) {
+    Draws draws = streams_.sensing(kOdometrySlip, k);
+    if (draws.uniform() < -std::expm1(-errors_.slip.rate * way)) {
+      // Along the motion if there is one; wheels that spin on the spot measure it ahead.
+      const Vector2 ahead = way > 0.0 ? Vector2(chord.normalized()) : Vector2::UnitX();
+      chord += draws.normal(0.0, errors_.slip.distance) * ahead;
+      measured_turn += draws.normal(0.0, errors_.slip.turn);
+    }
+  }
+  reckoned_.head<2>() += turned(reckoned_.z() + 0.5 * measured_turn, chord);
+  reckoned_.z() += measured_turn;
+  last_ = pose;
+  return reckoned_;
+}
 
 namespace {
 
@@ -203,8 +253,7 @@ std::vector<ObjectShape> Phantoms::shapes(const World& world) const {
   for (std::size_t i = 0; i < count(); ++i) {
     ObjectShape& shape = out.emplace_back();
     shape.name = "phantom" + std::to_string(i);
-    while (std::any_of(world.objects.begin(), world.objects.end(),
-                       [&](const WorldObject& object) { return object.name == shape.name; }))
+    while (std::ranges::any_of(world.objects, [&](const WorldObject& object) { return object.name == shape.name; }))
       shape.name += "'";
     shape.shape.kind = ShapeKind::kSphere;
     shape.shape.size = Vector3(rule_.radius, 0.0, 0.0);
@@ -243,14 +292,14 @@ PlantConditions plant_conditions(const Disturbances& disturbances, const RobotMo
   Draws floor = streams.acting(kFloorFriction);
   out.floor_friction = draw(floor, disturbances.floor.friction, disturbances.floor.spread);
   const JointFriction& of_joints = disturbances.actuators.joints.friction;
-  if (of_joints == JointFriction{}) return out;
+  if (is_off(of_joints)) return out;
   Draws friction = streams.acting(kJointFriction);
   out.joint_friction.resize(model.num_joints());
   for (int i = 0; i < model.num_joints(); ++i) {
     // A joint that its own motor cannot move at all is broken, not disturbed.
     constexpr double kMost = 0.95;
     const double fraction = std::min(kMost, draw(friction, of_joints.effort, of_joints.spread));
-    out.joint_friction[i] = fraction * model.joints[static_cast<std::size_t>(i)].effort;
+    out.joint_friction[i] = fraction * model.joint(i).effort;
   }
   return out;
 }

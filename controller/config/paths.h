@@ -1,0 +1,9 @@
+#pragma once
+
+#include <filesystem>
+
+namespace moma {
+
+namespace fs = std::filesystem;
+
+}  // namespace moma
