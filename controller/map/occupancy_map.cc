@@ -161,7 +161,7 @@ void OccupancyMap::pass(const Vector3& from, const Vector3& to) noexcept {
   const auto layer = [&](double share) { return std::clamp(z.after(z.until(share)), lowest, highest); };
   const auto between = [rises](int a, int b) { return rises ? bits(a, b + 1) : bits(b, a + 1); };
   const int steps = std::abs(last.x() - first.x()) + std::abs(last.y() - first.y());
-  // Of the present block: steps with which the ray leaves it, the share there, and the share at which it comes in.
+  // The ray leaves the present block with these steps, at this share of its length, and has come in at that one.
   int out_x = x.leave(), out_y = y.leave();
   double next_x = x.share(out_x - 1), next_y = y.share(out_y - 1), in = -1.0;
   bool in_by_x = true;

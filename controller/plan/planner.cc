@@ -401,7 +401,7 @@ void Planner::end_tier() noexcept {
   }
 }
 
-// What is only quicker keeps its distance.
+// The narrow tiers are for goals that nothing else reaches; a path that is only quicker keeps the clearance.
 int Planner::last_tier() const noexcept { return at_goal_.enabled && !(within_ < kInfinity) ? kTight : kClear; }
 
 // A goal close to an object has no narrow tier: what it needs is less at the goal alone.

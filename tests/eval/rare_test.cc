@@ -420,7 +420,7 @@ TEST_F(Shrinks, ToTheGoalOnWhoseWayItFailed) {
   EXPECT_GE(hits, 2);
 }
 
-// What the hand holds stays in it, where the start moves, or goes with everything that would take it.
+// A held object stays in the hand as the start moves; if it goes, so does each goal that takes or leaves it.
 TEST_F(Shrinks, WithTheObjectInTheHand) {
   nlohmann::ordered_json world = to_json(suite_.points.front().worlds.make(suite_.points.front().robot->model, 0));
   const auto ball = [](const char* name, double x, double y, double z) {

@@ -154,7 +154,7 @@ TEST_F(WorldLooks, StartsInTouchAreCounted) {
   EXPECT_NE(texts[0].find("first: world 1, "), std::string::npos) << texts[0];
 }
 
-// What the hand holds touches at the start, and at the goal, where the hand alone does not; itself it is no obstacle.
+// A held object touches at start and goal, where the hand alone does not; it is no obstacle of its own.
 TEST_F(WorldLooks, WhatIsHeldCountsAsTheHand) {
   World holds = world(0, 0.2);
   Kinematics kinematics(model_);

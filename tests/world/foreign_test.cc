@@ -288,7 +288,7 @@ scenes:
   EXPECT_EQ(read_foreign(panda_, {own}).worlds.size(), 3U);
 }
 
-// What is attached by its name alone stands in the scene; a request's objects count with, and before, the scene's.
+// An object attached by its name alone stands in the scene; a request's attached objects go before the scene's.
 TEST_F(Foreign, AttachedObjectsOfScenesAndRequestsAreOneInTheHand) {
   const std::string scene =
       "world: {collision_objects: [{id: jug, primitives: [{type: box, dimensions: [0.1, 0.1, 0.2]}, {type: sphere, "
