@@ -290,17 +290,28 @@ class Shrinks : public Rare {
  protected:
   Shrinks() {
     folder_.write("controllers/blind.yaml", "lambda_q: 0.01\nservo: {position: 1.5}\ncollision: {enabled: false}\n");
-    suite_ = load_suite(folder_.write("blind.yaml",
-                                      "name: blind\nrobot: robots/tiny.yaml\n"
-                                      "controllers: {blind: controllers/blind.yaml}\n"
-                                      "worlds: {seed: 3, families: {clutter: {objects: 9}}}\n"
-                                      "simulation: {mode: kinematic, time_limit: 3}\n"
-                                      "success: {position: 0.3, orientation: 3.1}\n"
-                                      "disturbances: {objects: {noise: {position: 0.03}, sensor: [0, 0, 1], range: 3}, "
-                                      "joints: {noise: 0.002}}\ntrials: 60\n"));
+    suite_ = evaluated("blind",
+                       "controllers: {blind: controllers/blind.yaml}\n"
+                       "worlds: {seed: 3, families: {clutter: {objects: 9}}}\n"
+                       "simulation: {mode: kinematic, time_limit: 3}\n"
+                       "success: {position: 0.3, orientation: 3.1}\n"
+                       "disturbances: {objects: {noise: {position: 0.03}, sensor: [0, 0, 1], range: 3}, "
+                       "joints: {noise: 0.002}}\ntrials: 60\n");
+  }
+
+  /// Runs a suite of the tiny robot; its trials are in NAME.db.
+  Suite evaluated(const std::string& name, const std::string& rest) {
+    Suite suite = load_suite(folder_.write(name + ".yaml", "name: " + name + "\nrobot: robots/tiny.yaml\n" + rest));
     EvaluateRequest request;
-    request.file = path("blind.db");
-    evaluate(request, suite_);
+    request.file = path((name + ".db").c_str());
+    evaluate(request, suite);
+    return suite;
+  }
+  ShrinkRequest asked(const std::string& name, const std::string& trial) const {
+    ShrinkRequest request;
+    request.file = path((name + ".db").c_str());
+    request.trial = trial;
+    return request;
   }
 
   /// The keys of trials that did, or did not, end by a contact with an object.
@@ -315,9 +326,7 @@ class Shrinks : public Rare {
     return out;
   }
   Shrunk shrunk(const std::string& trial, int threads) const {
-    ShrinkRequest request;
-    request.file = path("blind.db");
-    request.trial = trial;
+    ShrinkRequest request = asked("blind", trial);
     request.noises = 3;
     request.threads = threads;
     return shrink(request);
@@ -358,23 +367,17 @@ TEST_F(Shrinks, ToTheObjectThatIsHitAndFailsInTheSameWay) {
 
 /// Objects that are believed to be where they are not.
 TEST_F(Shrinks, ToTheDisturbanceThatMatters) {
-  const Suite biased = load_suite(
-      folder_.write("biased.yaml",
-                    "name: biased\nrobot: robots/tiny.yaml\ncontrollers: {plain: controllers/plain.yaml}\n"
-                    "worlds: {seed: 3, families: {clutter: {objects: 6}}}\n"
-                    "simulation: {mode: kinematic, time_limit: 4}\n"
-                    "disturbances: {objects: {bias: {position: 0.5}, sensor: [0, 0, 1], range: 8}, goal: {delay: 0.1}, "
-                    "joints: {noise: 0.0001}}\ntrials: 10\n"));
-  EvaluateRequest evaluation;
-  evaluation.file = path("biased.db");
-  evaluate(evaluation, biased);
-  const store::Reader reader(evaluation.file);
+  evaluated("biased",
+            "controllers: {plain: controllers/plain.yaml}\n"
+            "worlds: {seed: 3, families: {clutter: {objects: 6}}}\n"
+            "simulation: {mode: kinematic, time_limit: 4}\n"
+            "disturbances: {objects: {bias: {position: 0.5}, sensor: [0, 0, 1], range: 8}, goal: {delay: 0.1}, "
+            "joints: {noise: 0.0001}}\ntrials: 10\n");
+  const store::Reader reader(path("biased.db"));
   int by_bias = 0, all = 0;
   for (const std::string& key : reader.keys()) {
     if (reader.trial(key).row.outcome != Outcome::kCollision) continue;
-    ShrinkRequest request;
-    request.file = evaluation.file;
-    request.trial = key;
+    ShrinkRequest request = asked("biased", key);
     request.noises = 2;
     const Shrunk small = shrink(request);
     ++all;
@@ -390,25 +393,18 @@ TEST_F(Shrinks, ToTheDisturbanceThatMatters) {
 
 // Goals after the one on whose way it failed go, and those before it where it fails without them.
 TEST_F(Shrinks, ToTheGoalOnWhoseWayItFailed) {
-  const Suite several =
-      load_suite(folder_.write("several.yaml",
-                               "name: several\nrobot: robots/tiny.yaml\ncontrollers: {blind: controllers/blind.yaml}\n"
-                               "worlds: {seed: 3, families: {sequence: {objects: 9}}}\n"
-                               "simulation: {mode: kinematic, time_limit: 8}\n"
-                               "success: {position: 0.3, orientation: 3.1}\ntrials: 20\n"));
-  EvaluateRequest evaluation;
-  evaluation.file = path("several.db");
-  evaluate(evaluation, several);
-  const store::Reader reader(evaluation.file);
+  evaluated("several",
+            "controllers: {blind: controllers/blind.yaml}\n"
+            "worlds: {seed: 3, families: {sequence: {objects: 9}}}\n"
+            "simulation: {mode: kinematic, time_limit: 8}\n"
+            "success: {position: 0.3, orientation: 3.1}\ntrials: 20\n");
+  const store::Reader reader(path("several.db"));
   int hits = 0;
   for (const std::string& key : reader.keys()) {
     const TrialRow before = reader.trial(key).row;
     if (before.outcome != Outcome::kCollision || before.object == "floor" || before.object.starts_with("self:"))
       continue;
-    ShrinkRequest request;
-    request.file = evaluation.file;
-    request.trial = key;
-    const Shrunk small = shrink(request);
+    const Shrunk small = shrink(asked("several", key));
     ++hits;
     // A smaller world may fail on the way to a later goal than the whole one.
     EXPECT_LE(static_cast<double>(small.world.further.size()), std::max(before.goals_reached, small.row.goals_reached))
@@ -439,22 +435,15 @@ TEST_F(Shrinks, WithTheObjectInTheHand) {
   takes["goals"][0]["take"] = "cup";
   takes["goals"][0]["position"] = {1.0, 0, 0.5};
   folder_.write("held.jsonl", world.dump() + "\n" + hit.dump() + "\n" + takes.dump() + "\n");
-  const Suite held = load_suite(folder_.write("held.yaml",
-                                              "name: held\nrobot: robots/tiny.yaml\n"
-                                              "controllers: {blind: controllers/blind.yaml}\n"
-                                              "worlds: {frozen: held.jsonl}\n"
-                                              "simulation: {mode: kinematic, time_limit: 8}\n"
-                                              "success: {position: 0.1, orientation: 3.1}\ntrials: 3\n"));
-  EvaluateRequest evaluation;
-  evaluation.file = path("held.db");
-  evaluate(evaluation, held);
-  const store::Reader reader(evaluation.file);
+  const Suite held = evaluated("held",
+                               "controllers: {blind: controllers/blind.yaml}\n"
+                               "worlds: {frozen: held.jsonl}\n"
+                               "simulation: {mode: kinematic, time_limit: 8}\n"
+                               "success: {position: 0.1, orientation: 3.1}\ntrials: 3\n");
+  const store::Reader reader(path("held.db"));
   int by_cup = 0, by_arm = 0;
   for (const std::string& key : reader.keys()) {
-    ShrinkRequest request;
-    request.file = evaluation.file;
-    request.trial = key;
-    const Shrunk small = shrink(request);
+    const Shrunk small = shrink(asked("held", key));
     const World again = world_from_json(nlohmann::ordered_json::parse(to_json(small.world).dump()), "again");
     EXPECT_FALSE(carries(again) && !again.held) << small.sentence;
     if (small.row.object == "wall") {
