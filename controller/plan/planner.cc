@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "controller/plan/free_space.h"
-#include "controller/plan/search.h"
+#include "controller/plan/shorten.h"
+#include "controller/plan/tuck.h"
 
 namespace moma {
 namespace {

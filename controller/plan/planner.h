@@ -39,8 +39,7 @@ struct PlanCounts {
 ///    second try draws these.
 /// 2. Routes of the base with its arm tucked lead to some of them (route.h). The first one on which the robot moves
 ///    freely from start to goal counts (smooth_path.h).
-/// 3. Without one, a search gives edges to one of them (search.h), and shortcuts shorten them (try_shortcut()). Each
-/// further
+/// 3. Without one, a search gives edges to one of them (search.h), and shortcuts shorten them (shorten.h). Each further
 ///    run searches the ellipse in which a quicker way can lie. The quickest counts.
 /// 4. A path overlaps the motions of the edges if half the clearances hold, otherwise it runs them in turn (path.h). It
 ///    gives way to one past its corners that is quicker (smooth_path.h).

@@ -73,7 +73,7 @@ struct SearchTask {
   Vector2 goal_W = Vector2::Zero();    ///< horizontal position of the goal
   std::span<GoalConfiguration> goals;  ///< the cheapest first; samples are drawn near all of them
   int roots = 0;                       ///< the first of them become roots of the goals' tree
-  const VectorX* tuck = nullptr;       ///< joint values of a tucked arm (tucked_arm())
+  const VectorX* tuck = nullptr;       ///< joint values of a tucked arm (tuck.h)
   double beyond = 1.5;                 ///< samples' bases lie at most this far beyond start and goal [m]
   double longest = 1e18;               ///< longest way of the base through a sample to the goal [m]
 };
@@ -126,11 +126,5 @@ class Search {
   Edge edge_;
   EdgeList edges_;
 };
-
-/// Tries shortcut number `index`: it joins two times on the edges (every third try: two corners) by one edge and takes
-/// that if it is free and quicker. Every second edge of a differential base ends in its driving direction. `work` and
-/// `spare` are scratch. Checks at most three edges.
-void try_shortcut(FreeSpace& space, double check_step, int index, CountedDraws& draws, EdgeList& edges, EdgeList& work,
-                  Edge& spare) noexcept;
 
 }  // namespace moma

@@ -11,6 +11,7 @@
 
 #include "controller/plan/free_space.h"
 #include "controller/plan/route.h"
+#include "controller/plan/tuck.h"
 #include "tests/controller/path_limits.h"
 #include "tests/controller/plan_scenes.h"
 
