@@ -34,24 +34,25 @@ struct Solid {
     }
   }
 
-  Vector3 project(const Vector3& p_W) const {
-    Vector3 p = X.linear().transpose() * (p_W - X.translation());
-    if (shape.kind == ShapeKind::kBox) {
-      p = p.cwiseMax(-half).cwiseMin(half);
-    } else {
-      const double r = p.head<2>().norm();
-      if (r > half.x()) p.head<2>() *= half.x() / r;
-      p.z() = std::clamp(p.z(), -half.z(), half.z());
-    }
-    return X.linear() * p + X.translation();
+  /// The nearest point of the core, both in the solid's axes.
+  Vector3 nearest(Vector3 p) const {
+    if (shape.kind == ShapeKind::kBox) return p.cwiseMax(-half).cwiseMin(half);
+    const double square = p.x() * p.x() + p.y() * p.y();
+    if (square > half.x() * half.x()) p.head<2>() *= half.x() / std::sqrt(square);
+    p.z() = std::clamp(p.z(), -half.z(), half.z());
+    return p;
+  }
+
+  /// Largest d . p over the core, in the solid's axes.
+  double reach(const Vector3& d) const {
+    return shape.kind == ShapeKind::kBox
+               ? std::abs(d.x()) * half.x() + std::abs(d.y()) * half.y() + std::abs(d.z()) * half.z()
+               : half.x() * std::sqrt(d.x() * d.x() + d.y() * d.y()) + half.z() * std::abs(d.z());
   }
 
   /// min over the core of direction . p.
   double least(const Vector3& direction_W) const {
-    const Vector3 d = X.linear().transpose() * direction_W;
-    const double reach = shape.kind == ShapeKind::kBox ? d.cwiseAbs().dot(half)
-                                                       : half.x() * d.head<2>().norm() + half.z() * std::abs(d.z());
-    return direction_W.dot(X.translation()) - reach;
+    return direction_W.dot(X.translation()) - reach(X.linear().transpose() * direction_W);
   }
 };
 
@@ -60,29 +61,35 @@ struct Nearest {
   double lower = -1.0;  // proved bound of the cores' distance; -1 where none was found
 };
 
-/// Nearest points of two cores: until the bounds decide about `radius`, the sum of the balls, or nothing moves.
+/// Nearest points of two cores: until the bounds decide about `radius`, the sum of the balls, or nothing moves. All in
+/// A's axes.
 Nearest nearest(const Solid& A, const Solid& B, double radius) {
+  const Matrix3 R = A.X.linear().transpose() * B.X.linear(), R_T = R.transpose();
+  const Vector3 p = A.X.linear().transpose() * (B.X.translation() - A.X.translation());
+  const auto in_B = [&](const Vector3& a) -> Vector3 { return p + R * B.nearest(R_T * (a - p)); };
   Nearest best;
-  Vector3 b = B.project(A.X.translation());
+  Vector3 b = in_B(Vector3::Zero());
   Vector3 y = b;
   double t = 1.0;
   for (int i = 0; i < kIterations; ++i) {
-    const Vector3 a = A.project(y);
-    const Vector3 next = B.project(a);
+    const Vector3 a = A.nearest(y);
+    const Vector3 next = in_B(a);
     const Vector3 gap = a - next;
     const double d = gap.norm();
     best.a = a;
     best.b = next;
-    if (d < radius - kRounding || d < kRounding) return best;
+    if (d < radius - kRounding || d < kRounding) break;
     const Vector3 n = gap / d;
-    best.lower = std::max(best.lower, A.least(n) + B.least(-n));
-    if (best.lower > radius + kRounding && d - best.lower < 1e-6 * d) return best;
+    best.lower = std::max(best.lower, -A.reach(n) - n.dot(p) - B.reach(R_T * n));
+    if (best.lower > radius + kRounding && d - best.lower < 1e-6 * d) break;
     const double t_next = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * t * t));
     const bool restart = (y - next).dot(next - b) > 0.0;
     y = restart ? next : Vector3(next + (t - 1.0) / t_next * (next - b));
     t = restart ? 1.0 : t_next;
     b = next;
   }
+  best.a = A.X * best.a;
+  best.b = A.X * best.b;
   return best;
 }
 
