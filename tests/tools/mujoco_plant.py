@@ -1,4 +1,5 @@
 """moma's commands in MuJoCo: the base's ramp, wheels and joints that follow, first contact with an object."""
+import math
 from dataclasses import dataclass
 
 import mujoco
@@ -35,16 +36,18 @@ def arm_of(robot):
 
 def ramp(current, wanted, limits, h):
     """The base's command follows the wanted one within its linear and its angular acceleration: what it is after a
-    step of h seconds, and its mean over the step."""
-    if (current == wanted).all():
+    step of h seconds, and its mean over the step. Lists, which are quicker than arrays of two or three."""
+    if current == wanted:
         return current, current
-    out, mean = np.array(current), np.array(current)
+    out, mean = [], []
     for part, most in ((slice(None, -1), limits[0]), (slice(-1, None), limits[1])):
-        change = wanted[part] - current[part]
-        length = np.linalg.norm(change)
+        from_, to = current[part], wanted[part]
+        length = math.dist(from_, to)
         time = min(length / most, h)
-        out[part] = wanted[part] if time < h else current[part] + change * (h * most / length)
-        mean[part] = out[part] - (out[part] - current[part]) * (0.5 * time / h)
+        if time == h:
+            to = [c + (w - c) * (h * most / length) for c, w in zip(from_, to)]
+        out += to
+        mean += [w - (w - c) * (0.5 * time / h) for c, w in zip(from_, to)]
     return out, mean
 
 
@@ -52,6 +55,7 @@ class MujocoPlant:
     # A drive is a constraint to a moving value. MuJoCo damps its whole rate, not the rate of the error, and so lags by
     # 2 time constants (b / k with b = 2 / tc, k = 1 / tc^2): the value is ahead by that.
     LAG = 2 * 2 * STEP
+    FASTEST = 20.0  # of a point of the robot to one of the object, far more than any [m/s]
 
     def __init__(self, model, robot, arm):
         self.model, self.robot, self.arm = model, robot, arm
@@ -60,9 +64,10 @@ class MujocoPlant:
         self.dof = len(BASE_DRIVES.get(robot["base"]["type"], []))
         names = BASE_DRIVES.get(robot["base"]["type"], []) + arm.names
         self.drives = [model.equality(name).id for name in names]
+        self.targets = model.eq_data[:, 0]
         self.aim = np.concatenate([np.zeros(self.dof), robot["ready"]])
-        self.ramped = np.zeros(self.dof)  # the base's command at the end of a step
-        self.mean = np.zeros(self.dof)    # and over the step
+        self.ramped = [0.0] * self.dof  # the base's command at the end of a step
+        self.mean = [0.0] * self.dof    # and over the step
         self.heading = 0.0
         # MuJoCo makes no contact of two solids that nothing moves, as a bolted base and an object are to it.
         self.fixed = [model.geom(s["name"]).id for s in robot["shapes"] if s["rigid_with_base"] and self.dof == 0]
@@ -77,19 +82,20 @@ class MujocoPlant:
         if self.dof == 2:
             wheels = self.robot["support"]["wheels"]
             turn = 0.5 * base[1] * wheels["separation"]
-            base = np.array([base[0] - turn, base[0] + turn]) / wheels["radius"]
+            base = [(base[0] - turn) / wheels["radius"], (base[0] + turn) / wheels["radius"]]
         elif self.dof == 3:
-            c, s = np.cos(self.heading), np.sin(self.heading)
-            base = np.array([c * base[0] - s * base[1], s * base[0] + c * base[1], base[2]])
-        return np.concatenate([base, command[self.dof:]])
+            c, s = math.cos(self.heading), math.sin(self.heading)
+            base = [c * base[0] - s * base[1], s * base[0] + c * base[1], base[2]]
+        return np.array(base + command[self.dof:])
 
     def step(self, command, h):
+        """`command` is a list."""
         if self.dof:
             self.ramped, self.mean = ramp(self.ramped, command[: self.dof], self.robot["base"]["max_acceleration"], h)
         if self.dof == 3:
             self.heading = self.aim[2] + 0.5 * h * self.mean[2]  # of the arc's middle
         rates = self.rates(command)
-        self.model.eq_data[self.drives, 0] = self.aim + self.LAG * rates
+        self.targets[self.drives] = self.aim + self.LAG * rates
         self.aim += h * rates
         mujoco.mj_step(self.model, self.data)
 
@@ -126,13 +132,15 @@ class MujocoPlant:
         moving = np.asarray(thing.get("velocity", (0, 0, 0)))
         gap_then = least = np.inf
         time = 0.0
-        for command in commands:
-            least = min(least, self.gap())
+        for command in commands.tolist():
+            gap = self.gap()
+            least = min(least, gap)
+            near = gap < self.FASTEST * period
             for _ in range(round(period / h)):
                 if "velocity" in thing:
                     self.data.mocap_pos[0] = np.asarray(thing["position"]) + moving * time
                 self.step(command, h)
-                if self.touching():
+                if near and self.touching():
                     return time, gap_then, least
                 time += h
                 if other is not None and abs(time - other) < 0.5 * h:

@@ -9,6 +9,7 @@ notice. docs/explanation/physics.md has the table that this gives.
 """
 import argparse
 import copy
+import math
 import os
 import sys
 
@@ -154,16 +155,18 @@ def commanded_motion(probe, request, model, robot, arm, checks, rng, scale):
         arm_worst = max(arm_worst, np.abs(np.asarray(answer["q"])[1:] - q).max())
         slip = max(slip, answer["slip"])
         plant = MujocoPlant(model, robot, arm)
-        expected = np.zeros(3)
-        for k, (command, base) in enumerate(zip(commands, np.asarray(answer["base"])[1:])):
+        expected = [0.0, 0.0, 0.0]
+        for k, (command, base) in enumerate(zip(commands.tolist(), np.asarray(answer["base"])[1:])):
             for _ in range(round(PERIOD / STEP)):
                 plant.step(command, STEP)
                 v = plant.mean
                 if dof:  # the exact screw of a constant velocity
                     w, middle = v[-1] * STEP, expected[2] + 0.5 * v[-1] * STEP
-                    c, s = np.cos(middle), np.sin(middle)
+                    c, s = math.cos(middle), math.sin(middle)
                     side = v[1] if dof == 3 else 0.0
-                    expected[:2] += STEP * np.sinc(w / (2 * np.pi)) * np.array([c * v[0] - s * side, s * v[0] + c * side])
+                    chord = STEP * (2 * math.sin(0.5 * w) / w if w else 1.0)
+                    expected[0] += chord * (c * v[0] - s * side)
+                    expected[1] += chord * (s * v[0] + c * side)
                     expected[2] += w
             arm_apart = max(arm_apart, np.abs(plant.q() - answer["q"][k + 1]).max())
             if dof:
@@ -192,7 +195,7 @@ def wheel_slip(probe, request):
         commands[:50, :2] = v, w
         answer = probe.ask("drive", **request, commands=commands.tolist())
         plant = MujocoPlant(compiled(robot), robot, arm)
-        for command in commands:
+        for command in commands.tolist():
             for _ in range(round(PERIOD / STEP)):
                 plant.step(command, STEP)
         ours = np.asarray(answer["base"][-1])
