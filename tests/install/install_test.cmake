@@ -62,17 +62,19 @@ foreach(wheel IN ITEMS coal:libcoal boost_filesystem:cmeel_boost)
   endif()
 endforeach()
 
+# ccache takes precompiled headers where it is told that they are no matter of macros and time. What it misses it compiles
+# without preprocessing it before.
+set(ENV{CCACHE_SLOPPINESS} "pch_defines,time_macros")
+set(ENV{CCACHE_DEPEND} 1)
 run("configuring a consumer" "${CMAKE_COMMAND}" -S "${SOURCE_DIR}/tests/install/consumer" -B "${SCRATCH}/build"
     -G "${GENERATOR}" "-DCMAKE_PREFIX_PATH=${prefix}" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
     "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DEXAMPLE=${SOURCE_DIR}/examples/steer_frankie.cc"
     "-DHEADERS=${prefix}/include/moma")
 run("building a consumer" "${CMAKE_COMMAND}" --build "${SCRATCH}/build")
-foreach(consumer IN ITEMS consumer consumer_native)
-  run("running ${consumer}" "${SCRATCH}/build/${consumer}")
-  if(NOT output MATCHES "frankie: solved")
-    message(FATAL_ERROR "unexpected output of ${consumer}: ${output}")
-  endif()
-endforeach()
+run("running the consumer" "${SCRATCH}/build/consumer")
+if(NOT output MATCHES "frankie: solved")
+  message(FATAL_ERROR "unexpected output of the consumer: ${output}")
+endif()
 run("running the consumer of the bare library" "${SCRATCH}/build/library_only")
 run("running the example" "${SCRATCH}/build/my_robot" "${prefix}/share/moma/configs/robots/frankie.yaml"
     "${prefix}/share/moma/configs/controllers/moma.yaml")
