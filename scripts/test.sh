@@ -19,5 +19,5 @@ if [ -z "${TMPDIR:-}" ] && [ -w /dev/shm ] && [ "$(df --output=avail -k /dev/shm
   export TMPDIR=/dev/shm
 fi
 export OMP_WAIT_POLICY="${OMP_WAIT_POLICY:-passive}"
-# One more at a time than there are processors: some tests wait for a lock or a browser.
-ctest --test-dir build --output-on-failure --no-tests=error -j "$(($(nproc) + 1))" "$@"
+# Twice as many at a time as there are processors: tests wait for locks, browsers and processes of their own.
+ctest --test-dir build --output-on-failure --no-tests=error -j "$((2 * $(nproc)))" "$@"
