@@ -39,8 +39,8 @@ constexpr double kSlowest = 0.02, kFastest = 200.0;  // [m/s^2, rad/s^2]
 constexpr int kCoarse = 20, kFine = 60;
 
 // Fits the gain alone by least squares.
-Response fit_gain(const Group& group, int n, std::size_t from, double acceleration, double period) {
-  const auto r = ramped(group, n, acceleration, period);
+Response fit_gain(const Group& group, int n, std::size_t from, double acceleration, double period, bool* limited) {
+  const auto r = ramped(group, n, acceleration, period, limited);
   double rr = 0.0, rv = 0.0, vv = 0.0;
   for (std::size_t i = 0; i < group.size(); ++i) {
     const std::vector<double>& v = group[i]->velocity;
@@ -74,7 +74,7 @@ std::size_t count_saturated(const Group& group, int n, double acceleration, doub
 
 }  // namespace
 
-std::vector<std::vector<double>> ramped(const Group& group, int n, double acceleration, double period) {
+std::vector<std::vector<double>> ramped(const Group& group, int n, double acceleration, double period, bool* limited) {
   std::vector<std::vector<double>> out(group.size());
   for (std::size_t i = 0; i < group.size(); ++i) out[i] = group[i]->command;
   if (std::isinf(acceleration)) return out;
@@ -85,7 +85,9 @@ std::vector<std::vector<double>> ramped(const Group& group, int n, double accele
   for (std::size_t k = 1; k < out.front().size(); ++k) {
     double squared = 0.0;
     for (std::size_t i = 0; i < group.size(); ++i) squared += (out[i][k] - now[i]) * (out[i][k] - now[i]);
-    const double size = std::sqrt(squared), part = size > most ? most / size : 1.0;
+    const double size = group.size() == 1 ? std::abs(out[0][k] - now[0]) : std::sqrt(squared);
+    const double part = size > most ? most / size : 1.0;
+    if (limited != nullptr) *limited = *limited || size > most;
     for (std::size_t i = 0; i < group.size(); ++i) {
       now[i] += part * (out[i][k] - now[i]);
       out[i][k] = now[i];
@@ -95,14 +97,16 @@ std::vector<std::vector<double>> ramped(const Group& group, int n, double accele
 }
 
 Response fit_response(const Group& group, int n, std::size_t from, Ramp ramp, double period) {
-  const auto at = [&](double acceleration) { return fit_gain(group, n, from, acceleration, period); };
+  bool limited = true;
+  const auto at = [&](double acceleration) { return fit_gain(group, n, from, acceleration, period, &limited); };
   Response best = at(kInfinite);
   if (ramp == Ramp::kNone) return best;
   const int grid = ramp == Ramp::kFine ? kFine : kCoarse;
   double best_log = kInfinite;
   const double low = std::log(kSlowest), step = (std::log(kFastest) - low) / (grid - 1);
   double least = best.squared;
-  for (int i = 0; i < grid; ++i) {
+  for (int i = 0; i < grid && limited; ++i) {  // beyond the first that limits no row all are the same
+    limited = false;
     const Response here = at(std::exp(low + i * step));
     if (!(here.squared < least)) continue;
     least = here.squared;

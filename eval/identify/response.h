@@ -35,8 +35,10 @@ struct Response {
   std::size_t saturated = 0;  ///< number of rows that the ramp limits
 };
 
-/// Returns r of each axis and row, for a' = acceleration. The first value is the measured r_0, in row n + 1.
-std::vector<std::vector<double>> ramped(const Group& group, int n, double acceleration, double period);
+/// Returns r of each axis and row, for a' = acceleration. The first value is the measured r_0, in row n + 1. Sets
+/// `limited` if the ramp limits a row.
+std::vector<std::vector<double>> ramped(const Group& group, int n, double acceleration, double period,
+                                        bool* limited = nullptr);
 
 /// Search for the ramp besides g: none, a' among 20 values, or a' to all significant digits.
 enum class Ramp { kNone, kCoarse, kFine };
