@@ -78,20 +78,15 @@ std::vector<std::vector<double>> ramped(const Group& group, int n, double accele
   std::vector<std::vector<double>> out(group.size());
   for (std::size_t i = 0; i < group.size(); ++i) out[i] = group[i]->command;
   if (std::isinf(acceleration)) return out;
-  std::vector<double> now(group.size());
-  for (std::size_t i = 0; i < group.size(); ++i)
-    now[i] = out[i].front() = group[i]->velocity[static_cast<std::size_t>(n) + 1];
+  for (std::size_t i = 0; i < group.size(); ++i) out[i].front() = group[i]->velocity[static_cast<std::size_t>(n) + 1];
   const double most = acceleration * period;
   for (std::size_t k = 1; k < out.front().size(); ++k) {
     double squared = 0.0;
-    for (std::size_t i = 0; i < group.size(); ++i) squared += (out[i][k] - now[i]) * (out[i][k] - now[i]);
-    const double size = group.size() == 1 ? std::abs(out[0][k] - now[0]) : std::sqrt(squared);
+    for (const std::vector<double>& r : out) squared += (r[k] - r[k - 1]) * (r[k] - r[k - 1]);
+    const double size = group.size() == 1 ? std::abs(out[0][k] - out[0][k - 1]) : std::sqrt(squared);
     const double part = size > most ? most / size : 1.0;
     if (limited != nullptr) *limited = *limited || size > most;
-    for (std::size_t i = 0; i < group.size(); ++i) {
-      now[i] += part * (out[i][k] - now[i]);
-      out[i][k] = now[i];
-    }
+    for (std::vector<double>& r : out) r[k] = r[k - 1] + part * (r[k] - r[k - 1]);
   }
   return out;
 }
