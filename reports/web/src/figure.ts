@@ -25,10 +25,12 @@ export function figure(spec: FigureSpec): HTMLElement {
     plot, paper, h('footer', null, note, h('div', { class: 'actions' }, saveSvg, saveCsv)));
   let chart: echarts.ECharts | null = null;
   let started = false;
+  let stale = false;   // asked to follow the theme or the view, not drawn since
   let width = 0;   // of the plot when it was drawn
 
   const draw = (): void => {
     if (!started) return;
+    stale = false;
     title.textContent = textOf(spec.title);
     caption.textContent = textOf(spec.caption);
     width = plot.clientWidth;   // asked for once: after changes to the page each answer is a layout
@@ -51,7 +53,7 @@ export function figure(spec: FigureSpec): HTMLElement {
       chart = echarts.init(plot, null, { renderer: 'canvas', width, height });
       chart.on('click', (event) => spec.click?.(event.data));
     } else if (chart.getWidth() !== width || chart.getHeight() !== height) {
-      chart.resize({ width, height });
+      chart.getZr().resize({ width, height });   // the chart's own resize() would draw what is about to be replaced
     }
     const series = (drawing.option['series'] as Option[]).map((s) => (spec.click === undefined ? { cursor: 'default', ...s } : s));
     // No animation if the system prefers reduced motion.
@@ -81,14 +83,19 @@ export function figure(spec: FigureSpec): HTMLElement {
       draw();
     });
   }));
-  drawLater(element, () => {
-    started = true;
+  const follow = (): void => {
     fillControls();
     draw();
-    new ResizeObserver(() => { if (plot.clientWidth !== width) draw(); }).observe(plot);
+  };
+  drawLater(element, () => {
+    started = true;
+    follow();
+    new ResizeObserver(() => { if (plot.clientWidth !== width) (stale ? follow : draw)(); }).observe(plot);
   });
   const redraw = (): void => {
-    if (started) drawOrWait(element, () => { fillControls(); draw(); });
+    if (!started) return;
+    stale = true;
+    drawOrWait(element, () => { if (stale) follow(); });
   };
   onView(redraw);
   if (spec.linked === true) state.listen(['trial'], redraw);
