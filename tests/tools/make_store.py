@@ -8,6 +8,7 @@ Every number is a pure function of the arguments. The motion of a trial is an in
 the goal's configuration, and its errors follow from forward kinematics of the robot below.
 """
 import argparse
+import array
 import hashlib
 import json
 import math
@@ -92,8 +93,9 @@ def tip(base, q):
     index = 0
     for fixed, moves in FIXED:
         x = product(x, fixed)
-        if moves:
-            x = product(x, pose((0, 0, 0), (0, 0, q[index])))
+        if moves:   # about the joint's own z
+            c, s = math.cos(q[index]), math.sin(q[index])
+            x = [[a * c + b * s, b * c - a * s, z, w] for a, b, z, w in x]
             index += 1
     return x
 
@@ -109,7 +111,7 @@ def quaternion(x):
 
 def rotation_error(goal, now):
     """Rotation vector of goal * now^T."""
-    r = [[sum(goal[i][k] * now[j][k] for k in range(3)) for j in range(3)] for i in range(3)]
+    r = [[a * x + b * y + c * z for x, y, z, _ in now[:3]] for a, b, c, _ in goal[:3]]
     angle = math.acos(max(-1.0, min(1.0, (r[0][0] + r[1][1] + r[2][2] - 1) / 2)))
     axis = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
     size = math.sqrt(sum(v * v for v in axis))
@@ -383,7 +385,7 @@ def main():
             if (row['outcome'] != 'success' and kept < args.samples) or args.kind == 'one' or world['index'] < args.whole:
                 kept += 1
                 trace = make_trace(world, x, row['time_end_s'], 1.0 if row['outcome'] == 'success' else 0.8, 0.02)
-                data = b''.join(struct.pack(f'<{len(c)}d', *c) for c in trace.values())
+                data = b''.join(array.array('d', c).tobytes() for c in trace.values())
                 insert(db, 'samples', {'key': key, 'layout': 1, 'n': len(trace['t']),
                                        'columns': json.dumps(list(trace)), 'data': zstd_frame(data)})
     if args.kind == 'tuned' or args.search:

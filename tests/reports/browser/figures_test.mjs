@@ -134,7 +134,7 @@ for (const [what, view] of views) {
   if (what === 'light') await apart(page, 'timing', named, what, ratio);
   for (const id of what === 'light' ? ['pareto', 'forest', 'heldout', 'search', 'arrival', 'paired'] : what === 'phone' ? ['heldout', 'pareto', 'forest', 'outcomes', 'timing'] : []) legible(await lettersOf(page, id), `${what}, ${id}`);
   await noOverflow(page, what);
-  await accessible(page, source, what, { parts: '#tuning, #difficulty, #sweep', colours: what === 'dark' });
+  await accessible(page, source, what, { parts: '#tuning, #difficulty, #sweep', view: what !== 'light' });
   if (what === 'light') {
     // A plot for each metric that was compared on held-out worlds, under its name.
     const compared = [...new Set(search.comparisons.filter((one) => one.difference !== null).map((one) => one.metric))].map((key) => {
@@ -185,7 +185,7 @@ for (const [what, view] of views) {
     check(wide.length === 0, `print: beyond the paper: ${JSON.stringify(wide)}`);
     const torn = await page.evaluate(() => [...document.querySelectorAll('.summary .ci')].filter((ci) => ci.getClientRects().length !== 1 || ci.offsetHeight > 1.9 * parseFloat(getComputedStyle(ci).fontSize)).map((ci) => ci.textContent));
     check(torn.length === 0, `print: intervals in more than one line: ${torn}`);
-    await accessible(page, source, 'print of a sweep', { parts: '#tuning, #difficulty, #sweep', colours: true });
+    await accessible(page, source, 'print of a sweep', { parts: '#tuning, #difficulty, #sweep', view: true });
   }
   await context.close();
 }

@@ -1,6 +1,6 @@
 // What the tests of the page share: programs that must be there, stores, pages, checks.
 import { execFileSync, spawnSync } from 'node:child_process';
-import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 
@@ -78,16 +78,25 @@ export const launch = (source) => {
   });
 };
 
+/** The interpreter itself: what a PATH has may be a script that looks for it at every call. */
+export const kPython = process.env.MOMA_PYTHON || 'python3';
+
 /** Stores and pages of one test, in a folder of its own. */
 export const workshop = (source, makeReport, work) => {
   rmSync(work, { recursive: true, force: true });
   mkdirSync(work, { recursive: true });
+  const made = new Map();   // equal stores are made once
   const makeStore = (name, kind, worlds, samples = 8, whole = 0, ...more) => {
     const db = join(work, `${name}.db`);
-    execFileSync('python3', [join(source, 'tests/tools/make_store.py'), process.env.MOMA_STORE_DEFINITION, db, '--kind', kind, '--worlds', String(worlds), '--samples', String(samples), '--whole', String(whole), ...more], { stdio: 'inherit' });
+    const what = ['--kind', kind, '--worlds', String(worlds), '--samples', String(samples), '--whole', String(whole), ...more];
+    if (made.has(what.join())) writeFileSync(db, made.get(what.join()));
+    else {
+      execFileSync(kPython, [join(source, 'tests/tools/make_store.py'), process.env.MOMA_STORE_DEFINITION, db, ...what], { stdio: 'inherit' });
+      made.set(what.join(), readFileSync(db));
+    }
     return db;
   };
-  const sql = (db, text) => execFileSync('python3', ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(db)}); db.executescript(${JSON.stringify(text)}); db.close()`]);
+  const sql = (db, text) => execFileSync(kPython, ['-c', `import sqlite3; db = sqlite3.connect(${JSON.stringify(db)}); db.executescript(${JSON.stringify(text)}); db.close()`]);
   const makePage = (db) => {
     const html = db.replace(/\.db$/, '.html');
     execFileSync(makeReport, [db, html], { stdio: 'inherit' });
@@ -165,12 +174,15 @@ export const opener = (browser) => async (html, { width = 1280, height = 900, ha
   return { context, page };
 };
 
-/** What axe-core finds that is serious or worse, in the page or in parts of it; of elements that were looked at in other `colours` before, by contrast alone. */
-export const accessible = async (page, source, what, { parts, colours = false } = {}) => {
-  await page.evaluate(readFileSync(packagesOf(source).resolve('axe-core/axe.min.js'), 'utf8'));
-  const serious = await page.evaluate(async ([of, contrast]) => (await window.axe.run(of === undefined ? document : { include: of.split(', ') }, { resultTypes: ['violations'], ...(contrast ? { runOnly: ['color-contrast'] } : {}) })).violations
+/** Rules whose answer is another one in other colours, widths and media. */
+const kOfView = ['color-contrast', 'scrollable-region-focusable', 'image-alt', 'svg-img-alt', 'role-img-alt'];
+
+/** What axe-core finds that is serious or worse, in the page or in parts of it; of elements that were looked at in another `view` before, by the rules that depend on it. */
+export const accessible = async (page, source, what, { parts, view = false } = {}) => {
+  if (!await page.evaluate(() => 'axe' in window)) await page.evaluate(readFileSync(packagesOf(source).resolve('axe-core/axe.min.js'), 'utf8'));
+  const serious = await page.evaluate(async ([of, rules]) => (await window.axe.run(of === undefined ? document : { include: of.split(', ') }, { resultTypes: ['violations'], ...(rules === undefined ? {} : { runOnly: rules }) })).violations
     .filter((v) => v.impact === 'serious' || v.impact === 'critical')
-    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`).join(' | ')}`), [parts, colours]);
+    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => `${n.target} ${n.failureSummary}`).join(' | ')}`), [parts, view ? kOfView : undefined]);
   for (const violation of serious) check(false, `${what}: accessibility: ${violation}`);
 };
 

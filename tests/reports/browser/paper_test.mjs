@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { check, dataOf, drawn, end, figuresFollow, launch, near, needs, opener, saved, workshop } from './kit.mjs';
+import { check, dataOf, drawn, end, figuresFollow, kPython, launch, near, needs, opener, saved, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
 needs('python3', 'rsvg-convert', 'pdftoppm', 'pdftotext', 'pdftocairo', 'pdfimages');
@@ -48,7 +48,7 @@ for (const [kind, ...more] of [['demo'], ['sweep', 0, '--search'], ['hostile']])
   await context.close();
   check(svgs.length >= 7, `${kind}: ${svgs.length} figures`);
   // Each program once for all figures of a page.
-  const noXml = run('python3', '-c', 'import sys, xml.dom.minidom\nfor name in sys.argv[1:]:\n  try: xml.dom.minidom.parse(name)\n  except Exception as e: print(name, e)', ...svgs).toString();
+  const noXml = run(kPython, '-c', 'import sys, xml.dom.minidom\nfor name in sys.argv[1:]:\n  try: xml.dom.minidom.parse(name)\n  except Exception as e: print(name, e)', ...svgs).toString();
   check(noXml === '', `${kind}: not XML: ${noXml}`);
   if (noXml !== '') continue;
   const pdf = join(folder, 'librsvg.pdf');
@@ -131,7 +131,8 @@ for (const [kind, ...more] of [['demo'], ['sweep', 0, '--search'], ['hostile']])
   await page.pdf({ path: pdf, format: 'A4' });   // without backgrounds, as readers print
   const texts = textsOf(pdf);
   const all = texts.join('\n');
-  for (const words of ['Arrived by a given time', 'Success against goal distance', 'on the same worlds', 'Replay', 'Provenance', 'Failures']) check(all.includes(words), `the print has ${words}`);
+  check(texts.length < 25 && texts.every((text) => text.trim() !== ''), `a print of ${texts.length} sheets, none of them empty`);
+  for (const words of ['Results', 'Arrived by a given time', 'Success against goal distance', 'on the same worlds', 'Replay', 'Provenance', 'Failures']) check(all.includes(words), `the print has ${words}`);
   check(/holistic fails (mainly|most often) in \w+: /.test(texts[0]), 'the first page says where the one behind fails, though nothing waited for it');
   check(!/^\s*Trials\s*$/m.test(all), 'no heading of a part that is not printed');
   texts.forEach((text, i) => {

@@ -6,7 +6,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { inflateSync } from 'node:zlib';
 
-import { accessible, check, coloursOf, dataOf, drawn, end, launch, near, opener, packagesOf, picture, strip, workshop } from './kit.mjs';
+import { accessible, check, coloursOf, dataOf, drawn, end, kPython, launch, near, opener, packagesOf, picture, strip, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
@@ -220,7 +220,7 @@ const replayOnPhone = async (page, scheme) => {
   await context.close();
 }
 {
-  const demo = makePage(makeStore('demo', 'demo', 60));
+  const demo = makePage(makeStore('demo', 'demo', 24, 3));
   const data = dataOf(demo);
   const { context, page } = await open(demo, { width: 900, height: 640, scene: true });
   await page.locator('#failures').scrollIntoViewIfNeeded();
@@ -303,7 +303,7 @@ const replayOnPhone = async (page, scheme) => {
   await page.waitForFunction(() => /was killed/.test(document.querySelector('.live').textContent));
   check(!(await page.locator('.live').getAttribute('class')).includes('running'), 'a killed run is not called live');
   check(/The last run was killed/.test(await page.locator('.notices').innerText()), `the notices say so: ${await page.locator('.notices').innerText()}`);
-  const holder = spawn('python3', ['-c', `import fcntl, sys; f = open(${JSON.stringify(lock)}); fcntl.flock(f, fcntl.LOCK_EX); print("held", flush=True); sys.stdin.read()`], { stdio: ['pipe', 'pipe', 'inherit'] });
+  const holder = spawn(kPython, ['-c', `import fcntl, sys; f = open(${JSON.stringify(lock)}); fcntl.flock(f, fcntl.LOCK_EX); print("held", flush=True); sys.stdin.read()`], { stdio: ['pipe', 'pipe', 'inherit'] });
   await new Promise((done) => holder.stdout.once('data', done));
   await page.waitForFunction(() => /30 of 40\strials \(75\s%\).*a run goes on/.test(document.querySelector('.live').textContent));
   check(/interim/.test(await page.locator('.notices').innerText()), 'what is shown before the end is called interim');
@@ -369,7 +369,7 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
       await tellAt(page, place, told.replays[place].trial, [1e6]);
       await drawn(page);
       await replayOnPhone(page, scheme);
-      await accessible(page, source, `replay on a phone, ${scheme}`, { parts: '#replay', colours: scheme === 'dark' });
+      await accessible(page, source, `replay on a phone, ${scheme}`, { parts: '#replay', view: scheme === 'dark' });
     }
   }
   if (screenshots === undefined) await strip(page);
