@@ -21,7 +21,7 @@ const kinds = {
   twelve: { store: () => makeStore('twelve', 'many', 30, 1, 0, '--controllers', '12'), most: { megabytes: 3, nodes: 3000 } },
   one: { store: () => makeStore('one', 'one', 1), most: { megabytes: 3, nodes: 1400 } },
   errors: { store: () => makeErrors('errors', 24), most: { megabytes: 3, nodes: 2000 } },
-  large: { store: () => makeStore('large', 'demo', 1200, 2), most: { megabytes: 4, nodes: 2000 } },
+  large: { store: () => makeStore('large', 'demo', 600, 2), most: { megabytes: 3, nodes: 2000 } },
 };
 
 /** A number as the page writes it, with so many decimals. */
@@ -59,8 +59,9 @@ const figuresOf = (page) => page.locator('.figure').evaluateAll((all) => all.map
   return { id: figure.id.replace('figure-', ''), empty: figure.querySelector('.empty')?.textContent, width: layers[0]?.width, height: layers[0]?.height, letters: layers.flatMap((layer) => layer.letters ?? []) };
 }));
 
-/** Where each width and each scheme is seen once: words lie where they lie, whatever their colours. */
-const views = [[1280, 'light'], [390, 'dark'], [1920, 'dark']];
+/** Where each width and each scheme is seen once: words lie where they lie, whatever their colours. What is wider than 1180 is margin. */
+const views = [[1280, 'light'], [390, 'dark']];
+const widest = { demo: [[1920, 'dark']], sweep: [[1920, 'dark']] };
 
 for (const [kind, { store, most }] of Object.entries(kinds)) {
   const db = store();
@@ -69,7 +70,7 @@ for (const [kind, { store, most }] of Object.entries(kinds)) {
   check(megabytes < most.megabytes, `${kind}: the page is ${megabytes.toFixed(1)} MB`);
   const { context, page } = await open(html, { near: true, init: noteLetters });
   let drawnAtFirst;
-  for (const [width, colorScheme] of views) {
+  for (const [width, colorScheme] of [...views, ...widest[kind] ?? []]) {
     const what = `${kind}, ${width}, ${colorScheme}`;
     await Promise.all([page.emulateMedia({ colorScheme }), page.setViewportSize({ width, height: 900 })]);   // figures are drawn once for both
     await page.waitForFunction(([wanted, scheme]) => innerWidth === wanted && document.documentElement.dataset.theme === scheme, [width, colorScheme]);
