@@ -1,6 +1,7 @@
 #include "eval/risk/shrink_set.h"
 
 #include <algorithm>
+#include <set>
 
 namespace moma::risk {
 namespace {
@@ -35,24 +36,27 @@ std::vector<Things> pairs(const Things& all) {
 
 }  // namespace
 
-Things shrink_set(std::size_t count, std::optional<std::size_t> needed, const FirstFailing& failing) {
+Things shrink_set(std::size_t count, std::optional<std::size_t> needed, const FirstFailing& failing, bool singly) {
   Things base, others;
+  std::set<Things> passed;
   if (needed) base.push_back(*needed);
   for (std::size_t i = 0; i < count; ++i)
     if (i != needed) others.push_back(i);
   // Takes the first failing set of some choices among the others.
-  const auto take = [&](const std::vector<Things>& choices) {
+  const auto take = [&](std::vector<Things> choices) {
+    std::erase_if(choices, [&](const Things& choice) { return passed.contains(choice); });
     if (choices.empty()) return false;
     std::vector<Things> sets;
     for (const Things& choice : choices) sets.push_back(with(base, choice));
     const std::optional<std::size_t> found = failing(sets);
     if (found) others = choices[*found];
+    if (!found) passed.insert(choices.begin(), choices.end());
     return found.has_value();
   };
   std::vector<Things> few = parts(others, others.size(), false);
   few.insert(few.begin(), Things{});
-  if (take(few)) return with(base, others);
-  for (std::size_t n = 2; others.size() >= 2;) {
+  if (others.empty() || (!singly && take(few))) return with(base, others);
+  for (std::size_t n = 2; !singly && others.size() >= 2;) {
     if (take(parts(others, n, false))) {
       n = 2;
     } else if (n > 2 && take(parts(others, n, true))) {
@@ -63,7 +67,7 @@ Things shrink_set(std::size_t count, std::optional<std::size_t> needed, const Fi
       n = std::min(2 * n, others.size());
     }
   }
-  if (others.size() > 2 && others.size() <= kMostForPairs) take(pairs(others));
+  if (!singly && others.size() > 2 && others.size() <= kMostForPairs) take(pairs(others));
   while (!others.empty() && take(parts(others, others.size(), true))) {
   }
   return with(base, others);

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "controller/config/json_node.h"
@@ -90,6 +91,10 @@ void mend_grips(World& world) {
   for (WorldGoal& goal : world.further) one(goal);
 }
 
+/// A candidate that passes in the own noise is tried in the others only this many times in vain, and as often again for
+/// each one that fails there: what fails in one noise of eight hardly ever fails in another one.
+constexpr int kTriesInVain = 4;
+
 class Shrinker {
  public:
   Shrinker(const ShrinkRequest& request, const Listener& listener)
@@ -108,20 +113,22 @@ class Shrinker {
                       replay.trial.key.substr(0, 16)));
     now_ = {replay.world, point_.disturbances};
     now_.earliest = std::min(0.5, 0.5 * trial_.time_end_s);  // excludes failures by the start state
+    now_.latest = 2.0 * trial_.time_end_s + 1.0;             // saves the rest of the trials that pass
     own_ = now_.world.moves;
     for (std::size_t i = 0; i < now_.world.objects.size(); ++i)
       if (now_.world.objects[i].noise < 0) now_.world.objects[i].noise = static_cast<int>(i);
     out_.objects_before = now_.world.objects.size();
     try {
-      least_ = std::clamp(failing(rows({now_}).front(), now_), 1, std::max(1, request_.noises / 2));
+      least_ = std::clamp(failing(rows(), now_), 1, std::max(1, request_.noises / 2));
       drop_goals();
-      shrink_objects();
+      shrink_objects(false);
       switch_off();
       bring_to_rest();
       start_later();
       bring_goal_near();
       round_numbers();
       switch_off();  // worlds of round numbers may need fewer of them
+      shrink_objects(true);
     } catch (const Interrupted& why) {
       if (*why.what() != '\0') listener_.warning(why.what());
       out_.end = End::kStopped;  // the smallest world so far fails
@@ -144,14 +151,17 @@ class Shrinker {
   /// Returns the k-th noise for candidates: the own one first.
   int noise(int k) const { return k == 0 ? noise_ : k <= noise_ ? k - 1 : k; }
 
-  std::vector<std::vector<TrialRow>> rows(const std::vector<SmallerWorld>& candidates) {
+  using Last = std::function<bool(std::size_t candidate, const TrialRow&)>;
+  /// Returns rows of candidates, noises from .. to - 1 of each, up to the `last` one: the same for any number of
+  /// threads.
+  std::vector<TrialRow> rows(std::span<const SmallerWorld> candidates, int from, int to, const Last& last) {
     std::vector<SuitePoint> points(candidates.size(), point_);
     std::vector<BatchJob> jobs;
-    std::vector<std::vector<TrialRow>> out(candidates.size());
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       points[c].disturbances = candidates[c].disturbances;
-      const auto count = static_cast<std::size_t>(noises(candidates[c]));
-      for (std::size_t k = 0; k < count; ++k) jobs.push_back({c, k, fmt::format("{} {}", c, k)});
+      double& limit = points[c].simulation.time_limit;
+      limit = std::min(limit, candidates[c].latest + 2.0 * points[c].simulation.control_period);
+      for (int k = from; k < to; ++k) jobs.push_back({c, static_cast<std::uint64_t>(k), ""});
     }
     BatchOptions batch;
     batch.threads = threads_of(request_);
@@ -161,22 +171,48 @@ class Shrinker {
       world->moves = drawn_by(noise(static_cast<int>(k)));
       return world;
     };
-    batch.finish = [](const SuitePoint&, BatchResult& result) { Trace().swap(result.output.trace); };
-    TrialCounts counts;
-    const std::vector<TrialRow> rows = trial_rows(points, jobs, batch, nullptr, counts);
-    for (std::size_t i = 0; i < jobs.size(); ++i) out[jobs[i].point].push_back(rows[i]);
-    out_.trials += jobs.size();
+    std::vector<TrialRow> out;
+    bool ended = false;
+    const BatchSummary summary = run_batch(points, jobs, batch, [&](const BatchJob& job, BatchResult&& result) {
+      TrialRow& row = out.emplace_back(std::move(result.output.row));
+      if (is_late(row)) throw Interrupted("real time ran out in a trial: " + row.reason);
+      ended = last(job.point, row);
+      return !ended;
+    });
+    if (summary.stopped && !ended) throw Interrupted("");
+    out_.trials += out.size();
     return out;
   }
 
-  /// Continues with the first candidate that fails with any noise. Returns its number; nothing if all pass.
-  std::optional<std::size_t> take(const std::vector<SmallerWorld>& candidates) {
-    const std::vector<std::vector<TrialRow>> rows = this->rows(candidates);
+  std::vector<TrialRow> rows() {
+    return rows({&now_, 1}, 0, noises(now_), [](std::size_t, const TrialRow&) { return false; });
+  }
+
+  /// Continues with the first candidate that fails in enough noises. Returns its number; nothing if all pass. A
+  /// candidate's trials end with the verdict. `last`: other noises are tried whether or not this has paid.
+  std::optional<std::size_t> take(std::span<const SmallerWorld> candidates, bool last = false) {
     for (std::size_t c = 0; c < candidates.size(); ++c) {
-      if (failing(rows[c], candidates[c]) < std::min(least_, static_cast<int>(rows[c].size()))) continue;
-      std::size_t k = 0;
-      while (!same(rows[c][k], candidates[c])) ++k;
-      noise_ = noise(static_cast<int>(k));
+      const int all = noises(candidates[c]), enough = std::min(least_, all);
+      int asked = 0, fails = 0, first = 0;
+      if (all == 1 || (!last && in_vain_ >= kTriesInVain * (1 + rescued_))) {  // the own noise decides
+        const auto left = candidates.subspan(c);
+        const auto fails_there = [&](std::size_t i, const TrialRow& row) { return (fails = same(row, left[i])) > 0; };
+        c += rows(left, 0, 1, fails_there).size() - 1;
+        if (fails == 0) break;
+        asked = 1;
+      }
+      const auto decided = [&] { return fails == enough || fails + all - asked < enough; };
+      if (!decided()) {
+        rows(candidates.subspan(c, 1), asked, all, [&](std::size_t, const TrialRow& row) {
+          if (same(row, candidates[c]) && fails++ == 0) first = asked;
+          ++asked;
+          return decided();
+        });
+      }
+      const bool found = fails == enough;
+      if (fails == 0 || first > 0) ++(found ? rescued_ : in_vain_);
+      if (!found) continue;
+      noise_ = noise(first);
       now_ = candidates[c];
       return c;
     }
@@ -187,13 +223,14 @@ class Shrinker {
     return static_cast<int>(std::ranges::count_if(rows, [&](const TrialRow& row) { return same(row, candidate); }));
   }
 
-  void shrink_objects() {
+  /// `last`: takes single objects away, with every noise asked.
+  void shrink_objects(bool last) {
     const World whole = now_.world;
     const auto touched =
         std::ranges::find_if(whole.objects, [&](const WorldObject& object) { return object.name == trial_.object; });
     std::optional<std::size_t> needed;
     if (touched != whole.objects.end()) needed = static_cast<std::size_t>(touched - whole.objects.begin());
-    risk::shrink_set(whole.objects.size(), needed, [&](const std::vector<risk::Things>& sets) {
+    const auto failing = [&](const std::vector<risk::Things>& sets) {
       std::vector<SmallerWorld> candidates;
       for (const risk::Things& set : sets) {
         SmallerWorld candidate = now_;
@@ -202,17 +239,18 @@ class Shrinker {
         mend_grips(candidate.world);
         candidates.push_back(std::move(candidate));
       }
-      return take(candidates);
-    });
+      return take(candidates, last);
+    };
+    risk::shrink_set(whole.objects.size(), needed, failing, last);
     listener_.note(
-        fmt::format("{} of {} objects, {} trials", now_.world.objects.size(), whole.objects.size(), out_.trials));
+        fmt::format("{} of {} objects, {} trials", now_.world.objects.size(), out_.objects_before, out_.trials));
   }
 
   void switch_off() {
     if (!any(now_.disturbances)) return;
     SmallerWorld off = now_;
     off.disturbances = {};
-    if (take({off})) return;
+    if (take({&off, 1})) return;
     std::vector<std::string> names;
     const Json all = to_json(now_.disturbances);
     for (const auto& [group, values] : all.items())
@@ -231,7 +269,7 @@ class Shrinker {
     } catch (const config::ConfigError&) {
       return;  // another disturbance needs it
     }
-    if (any(off.disturbances)) take({off});
+    if (any(off.disturbances)) take({&off, 1});
   }
 
   /// Simplifies a candidate by `change` with the first of `steps` that still fails; false if it does not apply.
@@ -344,7 +382,7 @@ class Shrinker {
   /// Counts the noises with a failure, and repeats the world's own trial.
   void finish() {
     const std::atomic<bool>* const stop = std::exchange(request_.stop, nullptr);
-    const std::vector<TrialRow> rows = this->rows({now_}).front();
+    const std::vector<TrialRow> rows = this->rows();
     request_.stop = stop;
     out_.row = rows.front();
     out_.noises = static_cast<int>(rows.size());
@@ -380,8 +418,9 @@ class Shrinker {
   TrialRow trial_;    ///< as stored
   SmallerWorld now_;  ///< the smallest failing world so far
   std::shared_ptr<const Moves> own_;
-  int noise_ = 0;  ///< noise with which it fails
-  int least_ = 1;  ///< number of noises with which a candidate has to fail
+  int noise_ = 0;                  ///< noise with which it fails
+  int least_ = 1;                  ///< number of noises with which a candidate has to fail
+  int in_vain_ = 0, rescued_ = 0;  ///< candidates that pass in the own noise; by verdict in the others: pass, fail
   Shrunk out_;
 };
 

@@ -10,9 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "controller/config/json_node.h"
 #include "controller/model/kinematics.h"
 #include "eval/run/break.h"
 #include "eval/run/evaluate.h"
+#include "eval/run/moved_trials.h"
 #include "eval/run/risk.h"
 #include "eval/run/shrink.h"
 #include "eval/store/query.h"
@@ -21,6 +23,7 @@
 #include "eval/trial/trial.h"
 #include "suite_fixture.h"
 #include "world/draws.h"
+#include "world/sensing/disturbances_file.h"
 #include "world/world_json.h"
 
 namespace moma::run {
@@ -332,6 +335,23 @@ class Shrinks : public Rare {
     return shrink(request);
   }
 
+  /// Takes each object but the touched one away: the failure has to become rarer.
+  static void expect_all_needed(SuitePoint point, const Shrunk& small) {
+    point.disturbances = read_disturbances(config::node_from_json(small.disturbances, "disturbances"), "disturbances");
+    for (std::size_t i = 0; i < small.world.objects.size(); ++i) {
+      World less = small.world;
+      if (less.objects[i].name == small.row.object) continue;
+      less.objects.erase(less.objects.begin() + static_cast<std::ptrdiff_t>(i));
+      int failing = 0;
+      for (int k = 0; k < small.noises; ++k) {
+        less.moves = k == 0 ? nullptr : noise_drawn_again(k);
+        const TrialRow row = run_trial(point, less).row;
+        failing += row.outcome == small.row.outcome && row.object == small.row.object ? 1 : 0;
+      }
+      EXPECT_LT(failing, small.failing) << small.sentence;
+    }
+  }
+
   Suite suite_;
 };
 
@@ -367,20 +387,30 @@ TEST_F(Shrinks, ToTheObjectThatIsHitAndFailsInTheSameWay) {
 
 /// Objects that are believed to be where they are not.
 TEST_F(Shrinks, ToTheDisturbanceThatMatters) {
-  evaluated("biased",
-            "controllers: {plain: controllers/plain.yaml}\n"
-            "worlds: {seed: 3, families: {clutter: {objects: 6}}}\n"
-            "simulation: {mode: kinematic, time_limit: 4}\n"
-            "disturbances: {objects: {bias: {position: 0.5}, sensor: [0, 0, 1], range: 8}, goal: {delay: 0.1}, "
-            "joints: {noise: 0.0001}}\ntrials: 10\n");
+  const Suite suite =
+      evaluated("biased",
+                "controllers: {plain: controllers/plain.yaml}\n"
+                "worlds: {seed: 3, families: {clutter: {objects: 6}}}\n"
+                "simulation: {mode: kinematic, time_limit: 4}\n"
+                "disturbances: {objects: {bias: {position: 0.5}, sensor: [0, 0, 1], range: 8}, goal: {delay: 0.1}, "
+                "joints: {noise: 0.0001}}\ntrials: 10\n");
   const store::Reader reader(path("biased.db"));
   int by_bias = 0, all = 0;
   for (const std::string& key : reader.keys()) {
     if (reader.trial(key).row.outcome != Outcome::kCollision) continue;
     ShrinkRequest request = asked("biased", key);
     request.noises = 2;
+    request.threads = 1;
     const Shrunk small = shrink(request);
     ++all;
+    request.threads = 3;
+    const Shrunk again = shrink(request);
+    EXPECT_EQ(to_json(again.world).dump(), to_json(small.world).dump());
+    EXPECT_EQ(again.trials, small.trials);
+    request.noises = 8;
+    const Shrunk of_eight = shrink(request);
+    EXPECT_LT(of_eight.trials, 150u);
+    for (const Shrunk& one : {small, of_eight}) expect_all_needed(suite.points.front(), one);
     if (small.on != std::vector<std::string>{"objects.bias.position"}) continue;
     ++by_bias;
     EXPECT_NE(small.sentence.find("no disturbance but objects.bias.position"), std::string::npos) << small.sentence;

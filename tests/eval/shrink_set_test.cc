@@ -9,11 +9,12 @@
 namespace moma::risk {
 namespace {
 
-/// Counts what is asked; every set that is asked for has to hold `needed`.
+/// Counts what is asked; every set that is asked for has to hold `needed`, and to be new if it passes.
 struct Asked {
   std::function<bool(const Things&)> fails;
   std::optional<std::size_t> needed;
   int sets = 0;
+  std::set<Things> passed = {};
 
   FirstFailing first() {
     return [this](const std::vector<Things>& choices) -> std::optional<std::size_t> {
@@ -22,6 +23,7 @@ struct Asked {
         EXPECT_TRUE(std::is_sorted(choices[i].begin(), choices[i].end()));
         EXPECT_TRUE(!needed || std::binary_search(choices[i].begin(), choices[i].end(), *needed));
         if (fails(choices[i])) return i;
+        EXPECT_TRUE(passed.insert(choices[i]).second);
       }
       return std::nullopt;
     };
@@ -68,6 +70,12 @@ TEST(ShrinkSet, LeavesNothingThatCanGo) {
     less.erase(std::find(less.begin(), less.end(), one));
     EXPECT_FALSE(asked.fails(less)) << one;
   }
+}
+
+TEST(ShrinkSet, SinglyTakesAwayOneItemAtATime) {
+  // 2 with 9 alone fails as well, but between it and the even ones everything passes.
+  Asked asked{[](const Things& set) { return set == Things{2, 9} || holds(set, {0, 2, 4, 6}); }, 2};
+  EXPECT_EQ(shrink_set(14, asked.needed, asked.first(), true), (Things{0, 2, 4, 6}));
 }
 
 TEST(ShrinkSet, ThatCannotShrinkStays) {
