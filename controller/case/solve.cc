@@ -10,7 +10,7 @@
 namespace moma {
 namespace {
 
-Json numbers(const Eigen::Ref<const VectorX>& values) {
+Json listed(const Eigen::Ref<const VectorX>& values) {
   Json out = Json::array();
   for (const double value : values) out.push_back(config::number_or_word(value));
   return out;
@@ -18,14 +18,14 @@ Json numbers(const Eigen::Ref<const VectorX>& values) {
 
 Json matrix(const Eigen::Ref<const MatrixX>& values) {
   Json out = Json::array();
-  for (Eigen::Index i = 0; i < values.rows(); ++i) out.push_back(numbers(values.row(i).transpose()));
+  for (Eigen::Index i = 0; i < values.rows(); ++i) out.push_back(listed(values.row(i).transpose()));
   return out;
 }
 
-Json pose(const Isometry& X) {
+Json tool_pose(const Isometry& X) {
   Eigen::Quaterniond q(X.linear());
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
-  return {{"position", numbers(X.translation())}, {"quaternion", {q.w(), q.x(), q.y(), q.z()}}};
+  return {{"position", listed(X.translation())}, {"quaternion", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
 Json distance(const ProximityPair& pair, const ControllerCore& controller) {
@@ -48,9 +48,9 @@ Json distance(const ProximityPair& pair, const ControllerCore& controller) {
   return {{"link", link},
           {"object", second},
           {"d", config::number_or_word(pair.distance.d)},
-          {"normal", numbers(pair.distance.n_W)},
-          {"point_robot", numbers(pair.distance.p_first_W)},
-          {"point_object", numbers(pair.distance.p_second_W)},
+          {"normal", listed(pair.distance.n_W)},
+          {"point_robot", listed(pair.distance.p_first_W)},
+          {"point_object", listed(pair.distance.p_second_W)},
           {"shape", shape(pair.first).name},
           {"kind", kind}};
 }
@@ -61,12 +61,12 @@ void add_problem(const ControllerCore& controller, Json& out) {
   const bool qp = controller.params().method == Method::kQp;
   const int n = qp ? p.n() : 0;
   out["Q"] = matrix(MatrixX(p.H.head(n).asDiagonal()));
-  out["c"] = numbers(p.g.head(n));
+  out["c"] = listed(p.g.head(n));
   out["A"] = matrix(p.A.topRows(p.rows));
-  out["lbA"] = numbers(p.lbA.head(p.rows));
-  out["ubA"] = numbers(p.ubA.head(p.rows));
-  out["lb"] = numbers(p.lb.head(n));
-  out["ub"] = numbers(p.ub.head(n));
+  out["lbA"] = listed(p.lbA.head(p.rows));
+  out["ubA"] = listed(p.ubA.head(p.rows));
+  out["lb"] = listed(p.lb.head(n));
+  out["ub"] = listed(p.ub.head(n));
   out["rows"] = Json::array();
   for (int i = 0; i < p.rows; ++i) out["rows"].push_back(controller.row_name(i));
 }
@@ -81,21 +81,21 @@ Json solve(const ControlCase& control_case) {
   Json out = Json::object();
   out["status"] = to_string(result.status);
   out["fallback"] = to_string(result.fallback);
-  out["qdot"] = numbers(result.command);
-  out["delta"] = controller.params().slack.enabled && qp ? numbers(result.slack) : Json::array();
+  out["qdot"] = listed(result.command);
+  out["delta"] = controller.params().slack.enabled && qp ? listed(result.slack) : Json::array();
   out["cost"] = qp ? config::number_or_word(controller.cost()) : Json();
-  out["pose"] = pose(controller.kinematics().X_WE());
-  out["error"] = numbers(result.error);
+  out["pose"] = tool_pose(controller.kinematics().X_WE());
+  out["error"] = listed(result.error);
   out["error_norm"] = config::number_or_word(result.error_norm);
-  out["nu"] = numbers(controller.nu());
+  out["nu"] = listed(controller.nu());
   out["J"] = matrix(controller.J());
   out["manipulability"] = config::number_or_word(result.manipulability);
-  out["J_m"] = numbers(controller.J_m());
+  out["J_m"] = listed(controller.J_m());
   out["theta_eps"] = config::number_or_word(controller.theta_eps());
   add_problem(controller, out);
   out["distances"] = Json::array();
   for (const ProximityPair& pair : controller.distances()) out["distances"].push_back(distance(pair, controller));
-  out["wheels"] = numbers(controller.wheels());
+  out["wheels"] = listed(controller.wheels());
   out["kkt_residual"] = step.has_solution() ? config::number_or_word(controller.kkt_residual()) : Json();
   out["iterations"] = result.iterations;
   out["escape"] = config::write_described(controller.escape_state());  // the next step's `state.escape`

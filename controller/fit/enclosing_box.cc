@@ -11,11 +11,11 @@
 namespace moma::fit {
 namespace {
 
-constexpr int kFewPoints = 256;  // number of points in the comparison of normals
-constexpr int kDirections = 32;
-constexpr std::size_t kRefined = 6;
+constexpr int kFewOfBox = 256;  // number of points in the comparison of normals
+constexpr int kNormals = 32;
+constexpr std::size_t kRefinedBoxes = 6;
 constexpr int kMostTurns = 20;
-constexpr int kEvaluations = 300;
+constexpr int kBoxEvaluations = 300;
 
 struct Box {
   Matrix3 axes = Matrix3::Identity();
@@ -110,7 +110,7 @@ Box refined(const Points& points, const Box& start) {
   };
   const auto size = [&](const std::vector<double>& x) { return clamped_volume(extents(points, axes(x)).sizes()); };
   const std::vector<double> x =
-      minimise(size, {{0, 0, 0}, {0.03, 0.03, 0.03}, {-0.8, -0.8, -0.8}, {0.8, 0.8, 0.8}}, kEvaluations);
+      minimise(size, {{0, 0, 0}, {0.03, 0.03, 0.03}, {-0.8, -0.8, -0.8}, {0.8, 0.8, 0.8}}, kBoxEvaluations);
   const double found = size(x);
   return found < start.volume ? Box{axes(x), found} : start;
 }
@@ -141,7 +141,7 @@ std::vector<Vector3> normals(const Points& points, Effort effort) {
   const Matrix3 principal = principal_axes(points);
   std::vector<Vector3> all{Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ(), principal.col(0), principal.col(2)};
   if (effort == Effort::kQuick) return all;
-  for (const Vector3& d : half_sphere(kDirections)) all.push_back(d);
+  for (const Vector3& d : half_sphere(kNormals)) all.push_back(d);
   // Without a hull all points lie in one plane, whose normal is the last principal axis.
   const std::optional<ConvexHull> hull = points.size() < 5 ? std::nullopt : config::convex_hull(points);
   for (std::size_t i = 0; hull && i < hull->triangles.size(); ++i) {
@@ -155,13 +155,13 @@ std::vector<Vector3> normals(const Points& points, Effort effort) {
 }  // namespace
 
 Solid enclosing_box(const Points& points, Effort effort) {
-  const Points few = extreme_points(points, kFewPoints);
+  const Points few = extreme_points(points, kFewOfBox);
   std::vector<Box> found;
   for (const Vector3& n : normals(few, effort)) found.push_back(along(few, n));
   std::stable_sort(found.begin(), found.end(), [](const Box& a, const Box& b) { return a.volume < b.volume; });
   Box best = found.front();
   if (effort == Effort::kThorough) {
-    for (std::size_t i = 0; i < std::min(kRefined, found.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(kRefinedBoxes, found.size()); ++i) {
       const Box candidate = turned(few, found[i]);
       if (candidate.volume < best.volume) best = candidate;
     }

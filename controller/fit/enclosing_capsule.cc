@@ -9,10 +9,10 @@
 namespace moma::fit {
 namespace {
 
-constexpr int kFewPoints = 256;  // number of points in the comparison of directions
-constexpr int kDirections = 64;
-constexpr std::size_t kRefined = 5;  // number of directions for the local search
-constexpr int kEvaluations = 400;
+constexpr int kFewOfCapsule = 256;  // number of points in the comparison of directions
+constexpr int kAxes = 64;
+constexpr std::size_t kRefinedAxes = 5;  // number of directions for the local search
+constexpr int kCapsuleEvaluations = 400;
 constexpr double kMostRadius = 0.7;  // log of the largest factor
 
 struct Capsule {
@@ -103,7 +103,7 @@ Capsule refined(const Points& points, const Capsule& start) {
   const std::vector<double> x =
       minimise([&](const std::vector<double>& v) { return at(v).volume; },
                {{0, 0, 0, 0, log_factor}, {0.1, 0.1, 0.1, 0.1, 0.05}, {-1, -1, -1, -1, 0}, {1, 1, 1, 1, kMostRadius}},
-               kEvaluations);
+               kCapsuleEvaluations);
   const Capsule found = at(x);
   return found.volume < start.volume ? found : start;
 }
@@ -111,20 +111,20 @@ Capsule refined(const Points& points, const Capsule& start) {
 }  // namespace
 
 Solid enclosing_capsule(const Points& points, Effort effort) {
-  const Points few = extreme_points(points, kFewPoints);
+  const Points few = extreme_points(points, kFewOfCapsule);
   const Matrix3 principal = principal_axes(few);
   std::vector<Vector3> directions;
   for (int i = 0; i < 3; ++i) directions.emplace_back(Vector3::Unit(i));
   for (int i = 0; i < 3; ++i) directions.emplace_back(principal.col(i));
   if (effort == Effort::kThorough)
-    for (const Vector3& d : half_sphere(kDirections)) directions.push_back(d);
+    for (const Vector3& d : half_sphere(kAxes)) directions.push_back(d);
   const std::vector<double> factors{1.0, 1.04, 1.12, 1.25};
   std::vector<Capsule> found;
   for (const Vector3& d : directions) found.push_back(along(few, d, factors));
   std::stable_sort(found.begin(), found.end(), [](const Capsule& a, const Capsule& b) { return a.volume < b.volume; });
   Capsule best = found.front();
   if (effort == Effort::kThorough) {
-    for (std::size_t i = 0; i < std::min(kRefined, found.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(kRefinedAxes, found.size()); ++i) {
       const Capsule candidate = refined(few, found[i]);
       if (candidate.volume < best.volume) best = candidate;
     }

@@ -7,7 +7,7 @@ namespace moma {
 namespace {
 
 constexpr double kLeastBrake = 0.04;  // [s]
-constexpr double kNoWay = 1e-9;
+constexpr double kNoMotion = 1e-9;
 
 // One coordinate, or the base's place.
 struct Axis {
@@ -38,7 +38,7 @@ Blend blend_with(const MotionLimits& limits, Moves moves, const MotionState& sta
       xv += x * v[i];
     }
     const double way = std::sqrt(xx);
-    if (way < kNoWay) return;
+    if (way < kNoMotion) return;
     least = std::max(least, way / axis.speed);
     if (!std::isfinite(axis.acceleration)) return;
     square = std::max(square, way / axis.acceleration);

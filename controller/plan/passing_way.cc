@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kHalf = 0.01;           // half the time over which a velocity of the base is taken [s]
 constexpr double kMostJointSpeed = 0.9;  // share of the joints' speeds at the passing
-constexpr double kDamping = 1e-4;
+constexpr double kPassDamping = 1e-4;
 constexpr int kTimings = 4;                          // times and places of passing that a try has
 constexpr std::array kScales{0.15, 0.4, 1.0, 0.05};  // of the draws around a configuration
 constexpr double kLeastReach = 0.05;                 // [m]
@@ -144,7 +144,7 @@ bool PassingWay::hold_hand(MotionState& pass) noexcept {
   const Vector6 V = J.leftCols<3>() * pass.v.head<3>();
   if (limits_.mobile()) {
     Eigen::Matrix<double, 6, 6> M = arm * arm.transpose();
-    M.diagonal().array() += kDamping;
+    M.diagonal().array() += kPassDamping;
     v = -arm.transpose() * M.ldlt().solve(V);
   }
   for (int i = 0; i < joints; ++i) most = std::max(most, std::abs(v[i]) / (kMostJointSpeed * limits_.joint_speed[i]));

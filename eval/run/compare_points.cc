@@ -51,13 +51,13 @@ std::vector<std::pair<NamedPoint, NamedPoint>> paired(const Side& a, const Side&
   return pairs;
 }
 
-struct Trials {
+struct ComparedTrials {
   std::vector<std::pair<stats::Ending, stats::Ending>> endings;
   std::vector<stats::PairedValues> values;
 };
 
 void read(const fs::path& store, const std::pair<NamedPoint, NamedPoint>& points,
-          const std::vector<ComparedMetric>& metrics, Trials& trials) {
+          const std::vector<ComparedMetric>& metrics, ComparedTrials& trials) {
   std::string columns = "ta.outcome, tb.outcome";
   for (const ComparedMetric& metric : metrics) columns += fmt::format(", {}, {}", metric.a, metric.b);
   const store::QueryResult found =
@@ -100,7 +100,7 @@ ComparedPoints compare_points(const fs::path& store, const std::string& a, const
   ComparedPoints out;
   out.suite = suites.front();
   out.pairs = std::move(both.front());
-  Trials trials;
+  ComparedTrials trials;
   for (const ComparedMetric& metric : metrics) trials.values.push_back({metric.name, {}, {}});
   for (const auto& pair : out.pairs) {
     read(store, pair, metrics, trials);

@@ -21,9 +21,6 @@ std::string title(const Json& page) {
   return names.empty() ? page.at("store").at("file").get<std::string>() : names;
 }
 
-/// The JSON text, which is valid UTF-8 whatever bytes `json` holds.
-std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
 /// The text with each character that `names` has replaced by its name.
 std::string with_names(const std::string& text, const std::map<char, std::string_view>& names) {
   std::string out;

@@ -37,8 +37,6 @@ constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Cross-Origin-Resource-Policy", "same-origin"},
     {"Connection", "close"}};  // so that the next request goes to a thread that has time
 
-std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
 /// State of the stores in a few numbers, which differ whenever the page's data would.
 struct State {
   long long trials = 0;
