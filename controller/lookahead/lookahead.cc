@@ -10,7 +10,6 @@
 namespace moma {
 namespace {
 
-constexpr double kStill = 1e-6;     // of a goal's twist
 constexpr std::int64_t kHurry = 3;  // steps before a choice has to be made
 // Most moments of a path that are checked in one step: each costs more than all else in it.
 constexpr long kWatched = 40;
@@ -25,6 +24,11 @@ ControllerParams late_limits(ControllerParams params) {
   params.joint_limits.influence = std::min(params.joint_limits.influence, kInfluence);
   params.joint_limits.stop = std::min(params.joint_limits.stop, kStop);
   return params;
+}
+
+bool in_motion(const GoalState& goal) noexcept {
+  constexpr double kStill = 1e-6;  // of its twist
+  return goal.V_WG_W.norm() >= kStill;
 }
 
 bool jumped(const DecisionParams& params, const Isometry& from, const Isometry& to) noexcept {
@@ -196,7 +200,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   }
   news_ = news_ || known != state_.known;
   state_.known = known;
-  const bool goal_moves = o.goal.V_WG_W.norm() >= kStill;
+  const bool goal_moves = in_motion(o.goal);
   PlanBrief& brief = state_.brief;
   if (goal_moves && !doing<GoingDirect>()) go_direct(PlanReason::kTraffic, Detours::kCleared);
   if (doing<Following>() && traffic_ && brief.lag > params_.decisions.pushed)
@@ -276,7 +280,7 @@ void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
 void Lookahead::work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept {
   const bool stagnated = escape.stagnations > state_.stagnations;
   state_.stagnations = escape.stagnations;
-  if (o.goal.V_WG_W.norm() >= kStill) {
+  if (in_motion(o.goal)) {
     job_ = Job::kNone;
     state_.next = state_.steps;
     return;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "controller/plan/edge.h"
+#include "controller/plan/trapezoid.h"
 
 namespace moma {
 

@@ -2,7 +2,6 @@
 
 #include <iostream>
 
-#include "controller/config/node.h"
 #include "eval/cli/command.h"
 #include "eval/cli/table.h"
 #include "eval/suite/keys.h"

@@ -9,6 +9,7 @@
 #include "eval/cli/suite_options.h"
 #include "eval/cli/table.h"
 #include "eval/identify/motion_log.h"
+#include "eval/run/log_of_trial.h"
 #include "eval/run/named_point.h"
 #include "eval/run/replay.h"
 #include "eval/store/columns.h"

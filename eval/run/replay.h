@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "controller/case/case_file.h"
-#include "eval/identify/motion_log.h"
 #include "eval/store/reader.h"
 #include "eval/suite/controller_entry.h"
 #include "eval/suite/suite.h"
@@ -75,11 +74,5 @@ struct CollisionCase {
 /// and the collision. Empty if the object is not one of the world's, or if no detection was needed. Throws if worlds or
 /// disturbances cannot be read.
 std::optional<double> known_before_contact(const CollisionCase& collision);
-
-/// Simulates the trial again and returns the commands and measurements of its controller as a robot would log them.
-/// Stamps have the measurement times according to the trial's delays; quantities with varying delays have no stamps.
-/// Objects: those at rest that are seen at every step. `parts`: as for run_trial(). Throws std::runtime_error if the
-/// trial ends by an error.
-identify::MotionLog log_of_trial(const TrialSpec& spec, const World& world, const TrialParts& parts = {});
 
 }  // namespace moma::run

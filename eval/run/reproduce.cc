@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "eval/stats/comparison.h"
 #include "eval/store/hash.h"
 #include "eval/store/query.h"
 #include "eval/store/records.h"

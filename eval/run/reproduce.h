@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "eval/run/published.h"
-#include "eval/stats/comparison.h"
 #include "eval/stats/intervals.h"
 #include "eval/suite/suite.h"
 

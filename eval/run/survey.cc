@@ -9,7 +9,6 @@
 
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
-#include "controller/step.h"
 #include "world/holding.h"
 
 namespace moma::run {

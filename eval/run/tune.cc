@@ -12,8 +12,8 @@
 #include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 #include "eval/trial/trial.h"
+#include "eval/tune/search_record.h"
 #include "eval/tune/tuned_file.h"
-#include "eval/tune/tuning.h"
 
 namespace moma::run {
 namespace {

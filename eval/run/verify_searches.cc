@@ -15,6 +15,7 @@
 #include "eval/suite/suite.h"
 #include "eval/trial/key.h"
 #include "eval/tune/held_out.h"
+#include "eval/tune/search_record.h"
 #include "eval/tune/trial_objective.h"
 #include "eval/tune/tuning.h"
 #include "world/world_json.h"

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "controller/config/paths.h"
-#include "controller/config/robot_file.h"
 #include "eval/trial/row.h"
 
 namespace moma::run {

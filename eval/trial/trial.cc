@@ -12,14 +12,6 @@
 namespace moma {
 namespace {
 
-std::unique_ptr<StepController> usual_controller(const TrialSpec& spec, StepClock* clock) {
-  if (spec.plugin != nullptr) return spec.plugin->make();
-  auto controller = std::make_unique<Controller>(spec.robot->model, told_params(spec), spec.simulation.control_period);
-  controller->enable_timing(true);
-  controller->set_clock(clock);
-  return controller;
-}
-
 TrialRow row_of_error(const TrialSpec& spec, const Recording& recording, const char* text) {
   TrialRow row;
   try {
@@ -40,6 +32,14 @@ ControllerParams told_params(const TrialSpec& spec) {
   params.escape.position = std::min(params.escape.position, spec.success.position);
   params.escape.orientation = std::min(params.escape.orientation, spec.success.orientation);
   return params;
+}
+
+std::unique_ptr<StepController> usual_controller(const TrialSpec& spec, StepClock* clock) {
+  if (spec.plugin != nullptr) return spec.plugin->make();
+  auto controller = std::make_unique<Controller>(spec.robot->model, told_params(spec), spec.simulation.control_period);
+  controller->enable_timing(true);
+  controller->set_clock(clock);
+  return controller;
 }
 
 std::unique_ptr<Plant> usual_plant(const TrialSpec& spec, const World& world) {

@@ -30,6 +30,9 @@ struct TrialParts {
 TrialOutput run_trial(const TrialSpec& spec, const World& world, const TrialParts& parts = {},
                       ProfileClock* clock = nullptr);
 
+/// Makes the controller of `spec`, timed by `clock`.
+std::unique_ptr<StepController> usual_controller(const TrialSpec& spec, StepClock* clock = nullptr);
+
 /// Makes the plant of `spec`. Throws as make_plant().
 std::unique_ptr<Plant> usual_plant(const TrialSpec& spec, const World& world);
 

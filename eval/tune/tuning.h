@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "controller/config/paths.h"
-#include "eval/store/writer.h"
 #include "eval/suite/controller_entry.h"
 #include "eval/suite/suite.h"
 #include "eval/tune/tune_config.h"
@@ -71,14 +70,5 @@ class Points {
 
 /// The objective in words, for tables and the store.
 std::string objective_text(const Tuning& tuning);
-
-/// Returns the search's row of the table tune_search.
-store::TuneSearchRecord search_record(const Tuning& tuning);
-
-/// Column held_out of the verdict.
-std::string held_out_json(const Tuning& tuning);
-
-/// The suite whose row the search's invocation belongs to: the tuned controller's points only.
-Suite searched_suite(const Tuning& tuning);
 
 }  // namespace moma::tune

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <new>
 
-#include "reports/render/assets.h"
 #include "reports/render/store.h"
 
 namespace moma::reports {

@@ -14,7 +14,7 @@
 #include "eval/identify/found_files.h"
 #include "eval/identify/motion_log.h"
 #include "eval/identify/response.h"
-#include "eval/run/replay.h"
+#include "eval/run/log_of_trial.h"
 #include "tests/eval/trial_fixture.h"
 #include "world/draws.h"
 #include "world/sensing/disturbances_file.h"

@@ -6,6 +6,7 @@
 #include "eval/run/store_file.h"
 #include "eval/store/reader.h"
 #include "eval/tune/held_out.h"
+#include "eval/tune/search_record.h"
 #include "eval/tune/trial_objective.h"
 #include "eval/tune/tuning.h"
 #include "tests/eval/suite_fixture.h"

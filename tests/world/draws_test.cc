@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "controller/config/json_node.h"
+#include "world/scenario/apportionment.h"
 #include "world/scenario/distribution.h"
 #include "world/scenario/worlds.h"
 #include "world/sensing/streams.h"

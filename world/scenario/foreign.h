@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "controller/config/node.h"
+#include "controller/config/paths.h"
 #include "controller/model/robot_model.h"
 #include "world/world.h"
 
@@ -30,9 +30,5 @@ struct ForeignWorlds {
 /// worlds that start or end in contact. Throws config::ConfigError with file and line for other content, for unknown
 /// shapes and goals, for joints that the robot does not control, and for objects attached to other links.
 ForeignWorlds read_foreign(const std::shared_ptr<const RobotModel>& model, const std::vector<fs::path>& files);
-
-/// Reads the text form of MoveIt's planning scene (.scene, also that without poses of objects) as the tree that its
-/// YAML form has. Subframes and colours are left out. Throws config::ConfigError with file and line.
-config::Node read_moveit_text(const fs::path& file);
 
 }  // namespace moma

@@ -9,9 +9,9 @@
 #include "controller/config/json_node.h"
 #include "controller/config/reader.h"
 #include "controller/config/text_file.h"
-#include "world/scenario/foreign.h"
+#include "world/scenario/moveit.h"
 
-namespace moma {
+namespace moma::foreign {
 namespace {
 
 class MoveItText {
@@ -152,4 +152,4 @@ config::Node read_moveit_text(const fs::path& file) {
   return config::node_from_json(MoveItText(file).scene(), file.string());
 }
 
-}  // namespace moma
+}  // namespace moma::foreign

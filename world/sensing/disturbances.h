@@ -108,7 +108,7 @@ constexpr void describe(auto& v, Of<WheelSlip>) {
   v.member("turn", &T::turn, about("rad", kSpread, "error of the measured turn by a slip"));
 }
 
-/// Errors of dead reckoning that grow with the distance (Odometry, sensing.h).
+/// Errors of dead reckoning that grow with the distance (Odometry, odometry.h).
 struct OdometryErrors {
   double distance = 0.0;  ///< [1]
   double turn = 0.0;      ///< [1]
