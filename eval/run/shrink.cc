@@ -196,7 +196,10 @@ class Shrinker {
       int asked = 0, fails = 0, first = 0;
       if (all == 1 || (!last && in_vain_ >= kTriesInVain * (1 + rescued_))) {  // the own noise decides
         const auto left = candidates.subspan(c);
-        const auto fails_there = [&](std::size_t i, const TrialRow& row) { return (fails = same(row, left[i])) > 0; };
+        const auto fails_there = [&](std::size_t i, const TrialRow& row) {
+          fails = same(row, left[i]) ? 1 : 0;
+          return fails == 1;
+        };
         c += rows(left, 0, 1, fails_there).size() - 1;
         if (fails == 0) break;
         asked = 1;
