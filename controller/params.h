@@ -41,6 +41,8 @@ struct ServoParams {
   double max_linear = kInfinity;
   double max_angular = kInfinity;
   ServoError error = ServoError::kRotationVector;
+  double pass_from = 0.3;    ///< distance from which on E keeps its speed towards a goal that is passed [m]
+  double pass_factor = 3.0;  ///< largest factor on the gains there
 };
 
 /// ||e|| in the weights, clamped to [min, max]; `scale` [m/rad] enters the pose norm only.
@@ -134,6 +136,8 @@ struct EscapeParams {
   double slack_factor = 0.005;   ///< factor on the slack weight of the angular rows during a detour
   double posture_weight = 0.05;  ///< weight of `ready` as the arm's posture during a detour
   double posture_gain = 1.2;     ///< [1/s]
+  double jump = 0.1;             ///< distance of a new goal from the old one's predicted pose [m]
+  double jump_angle = 0.2;       ///< or its angle from that pose [rad]
 };
 
 /// Singularities and speed limits in rrmc, park and baur (closed_form/closed_form.h).

@@ -35,6 +35,11 @@ constexpr void describe(auto& v, Of<ServoParams>) {
       unless_default(
           {.text =
                "e_R: the rotation vector, or roll, pitch and yaw of the goal as seen from E, as in published code"}));
+  v.member(
+      "pass_from", &T::pass_from,
+      unless_default(positive("m", "distance from which on the hand keeps its speed towards a goal that it passes")));
+  v.member("pass_factor", &T::pass_factor,
+           unless_default(in_range({1.0, 1000.0}, "1", "largest factor on the gains from there on")));
 }
 
 constexpr void describe(auto& v, Of<ErrorNormParams>) {
@@ -141,6 +146,9 @@ constexpr void describe(auto& v, Of<EscapeParams>) {
     g.member("weight", &T::posture_weight, non_negative("", "weight of `ready` as the arm's posture during a detour"));
     g.member("gain", &T::posture_gain, non_negative("1/s", "k_posture during a detour"));
   });
+  v.member("jump", &T::jump,
+           unless_default(positive("m", "distance from its predicted pose at which a goal is a new goal")));
+  v.member("jump_angle", &T::jump_angle, unless_default(positive("rad", "angle from it at which a goal is a new one")));
 }
 
 constexpr void describe(auto& v, Of<ClosedFormParams>) {

@@ -20,9 +20,8 @@ ControllerParams without_plan(ControllerParams params) {
 }
 
 ControllerParams late_limits(ControllerParams params) {
-  constexpr double kInfluence = 0.1, kStop = 0.002;  // [rad]
-  params.joint_limits.influence = std::min(params.joint_limits.influence, kInfluence);
-  params.joint_limits.stop = std::min(params.joint_limits.stop, kStop);
+  params.joint_limits.influence = std::min(params.joint_limits.influence, params.plan.follow.joint_influence);
+  params.joint_limits.stop = std::min(params.joint_limits.stop, params.plan.follow.joint_stop);
   return params;
 }
 

@@ -8,8 +8,6 @@
 namespace moma {
 namespace {
 
-constexpr double kMoment = 0.08;  // interval between checked moments [s]
-
 // Objects may be nearer now than the path's clearance says, since measurements differ from those of its planning.
 double least_clearance(const DecisionParams& params, const Path& path) noexcept {
   return std::max(0.0, std::min(params.least, params.share * path.clearance - params.less));
@@ -70,11 +68,11 @@ bool PathWatch::holds(const Path& path, const PlanarShift& shift, double t, std:
   }
   from_ = std::max(from_, t);
   const Clearances clearances{least_clearance(params_, path), -1.0, -1.0};
-  while (from_ < path.duration + kMoment && budget > 0) {
+  while (from_ < path.duration + params_.watch_step && budget > 0) {
     path.at(std::min(from_, path.duration), point_);
     point_ = looked_shift_.of(point_);
     --budget;
-    from_ += kMoment;
+    from_ += params_.watch_step;
     if (!space_.clear(point_, clearances)) return false;
   }
   return true;
@@ -90,10 +88,10 @@ double PathWatch::met_after(const Path& path, const PlanarShift& shift, double t
     any = any || moving_[i].visible;
   }
   if (!any) return ahead;
-  constexpr double kBetween = 2.0 * kMoment;
-  for (double after = kBetween; after < ahead && budget > 0; after += kBetween) {
+  const double between = 2.0 * params_.watch_step;
+  for (double after = between; after < ahead && budget > 0; after += between) {
     for (ObjectState& object : moving_)
-      if (object.visible) object.X_WO.translation() += kBetween * object.V_WO_W.tail<3>();
+      if (object.visible) object.X_WO.translation() += between * object.V_WO_W.tail<3>();
     path.at(std::min(t + after, path.duration), point_);
     --budget;
     if (!movers_.clear(space_.place(shift.of(point_)), moving_, {clearance, -1.0, -1.0})) return after;

@@ -58,6 +58,7 @@ struct MapParams {
   int rays = 5000;      ///< per control step; a frame that has begun ends
   double reach = 2.5;   ///< horizontal distance from the base up to which occupied space counts [m]
   int boxes = 256;      ///< most boxes of occupied space
+  double often = 0.3, merge = 1.0;
   EvidenceParams evidence;
   UnseenParams unseen;
 };
@@ -73,6 +74,9 @@ constexpr void describe(auto& v, Of<MapParams>) {
            in_range({1.0, 1e6}, "", "rays that a control step takes; a frame that has begun is taken to its end"));
   v.member("reach", &T::reach, positive("m", "horizontal distance from the base up to which occupied space counts"));
   v.member("boxes", &T::boxes, in_range({1.0, 5000.0}, "", "number of boxes of occupied space, the nearest ones"));
+  v.member("often", &T::often,
+           unless_default(non_negative("s", "time after which boxes are looked at, unless they miss a new cell")));
+  v.member("merge", &T::merge, unless_default(non_negative("s", "time after which all boxes are made anew")));
   v.member("evidence", &T::evidence, unless_default({.text = "log-odds of hits and passing rays"}));
   v.optional("unseen", &T::unseen, &UnseenParams::enabled, Off::kOmitted,
              "the robot stops in front of space that no sensor has seen");

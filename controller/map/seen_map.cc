@@ -15,8 +15,6 @@ namespace {
 
 constexpr std::size_t kMoments = 128;     // remembered steps
 constexpr std::size_t kMostFound = 4096;  // boxes among which the nearest are chosen
-constexpr double kOften = 0.3;            // boxes are looked at after this time, or where they miss a new cell [s]
-constexpr double kMerge = 1.0;            // all boxes are made anew after this time [s]
 constexpr double kBeside = 0.15;          // of the base, no object at the start [m]
 constexpr int kLevels = 3;                // of rays that begin at the sensor, further from it, ...
 
@@ -132,9 +130,9 @@ void SeenMap::observe(const Observation& o) noexcept {
   }
   place_robot(o.base, o.q);
   for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) free_near(model_->shapes[i].shape, shapes_X_WS_[i], 0.0, true);
-  if (o.time - made_at_ < kOften && !map_.uncovered()) return;
+  if (o.time - made_at_ < params_.often && !map_.uncovered()) return;
   made_at_ = o.time;
-  if (o.time - merged_at_ >= kMerge) {
+  if (o.time - merged_at_ >= params_.merge) {
     merged_at_ = o.time;
     occupied_.boxes.clear();
   }

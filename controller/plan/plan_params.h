@@ -129,7 +129,10 @@ struct SmoothParams {
   int tries = 20;
   double early = 0.5, late = 0.2;
   double gain = 0.03, slower = 2.0;
-  double aside = 1.0;
+  double aside = 1.0, aside_last = 0.15;
+  double past = 0.15, turning = 0.9;
+  double leave_out = 0.6;
+  double check = 0.7;
 };
 
 constexpr void describe(auto& v, Of<SmoothParams>) {
@@ -147,6 +150,12 @@ constexpr void describe(auto& v, Of<SmoothParams>) {
            in_range({1.0, 100.0}, "1", "a first motion may take so many times what counts: further ones shorten it"));
   v.member("aside", &T::aside,
            non_negative("rad or m", "largest change of a joint that makes up for the heading of the base"));
+  v.member("aside_last", &T::aside_last, non_negative("rad or m", "the same where a motion is simulated again"));
+  v.member("past", &T::past, non_negative("m", "distance at which a base that turns about a corner gives it up"));
+  v.member("turning", &T::turning, in_range({0.0, 1.0}, "1", "share of its angular speed with which it then turns"));
+  v.member("leave_out", &T::leave_out, in_range({0.0, 1.0}, "1", "share of a corner's variations that leave it out"));
+  v.member("check", &T::check,
+           in_range({0.0, 1.0, true}, "1", "way between two checks of such a motion, in units of plan.check_step"));
 }
 
 /// Following of a path (plan/follow.h, qp/pose.h).
@@ -155,6 +164,7 @@ struct FollowParams {
   double across = 6.0;
   double rate = 15.0;
   double kept = 0.45;
+  double joint_influence = 0.1, joint_stop = 0.002;
   bool to_end = false;
 };
 
@@ -165,6 +175,9 @@ constexpr void describe(auto& v, Of<FollowParams>) {
   v.member("across", &T::across, non_negative("rad/m^2", "turn to the path per metre beside it and metre driven"));
   v.member("rate", &T::rate, positive("1/s", "least gain of the rows' dampers on a path"));
   v.member("kept", &T::kept, in_range({0.0, 1.0}, "1", "share of the path's clearances that rows keep"));
+  v.member("joint_influence", &T::joint_influence,
+           positive("rad or m", "distance from a joint's limit at which its damper begins, at most"));
+  v.member("joint_stop", &T::joint_stop, non_negative("rad or m", "distance from it that the damper keeps, at most"));
   v.member("to_end", &T::to_end, {.text = "a path of less than plan.clearance is followed to its end"});
 }
 
@@ -186,6 +199,7 @@ struct DecisionParams {
   int close_plans = 4;
   double moved = 0.008, turned = 0.03;
   double least = 0.015, less = 0.005, share = 0.5;
+  double watch_step = 0.08;
 };
 
 constexpr void describe(auto& v, Of<DecisionParams>) {
@@ -225,6 +239,7 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("least", &T::least, non_negative("m", "largest distance that is asked of a path when it is checked again"));
   v.member("less", &T::less, non_negative("m", "subtracted from the share of the path's clearance"));
   v.member("share", &T::share, in_range({0.0, 1.0}, "1", "share of the path's clearance that is asked then"));
+  v.member("watch_step", &T::watch_step, in_range({0.01, 10.0}, "s", "interval between moments that are checked"));
 }
 
 /// Look-ahead (controller/lookahead): the controller predicts its own motion, and plans for base and arm if it would

@@ -13,14 +13,9 @@ constexpr int kStepsOfACheck = 20;                      // are simulated in the 
 constexpr int kTriangles = Path::kMostMotions / 2 - 2;  // a plan's motions, without those at its ends
 constexpr double kThere = 0.003;                        // distance of what is reached [m, rad]
 constexpr double kNoSteering = 0.05;                    // distance from which on the base does not steer any more [m]
-constexpr double kPast = 0.15;       // distance at which a base that turns about a corner gives it up [m]
-constexpr double kSpinning = 0.9;    // share of its angular speed with which it then turns
-constexpr double kAligned = 0.02;    // turned to the next corner, after a stop [rad]
-constexpr double kSlowest = 0.02;    // speed up to a stop [m/s]
-constexpr double kRest = 0.05;       // velocities of a robot that has stopped [m/s, rad/s]
-constexpr double kMostLeft = 0.15;   // change of a joint that the last simulation leaves [rad, m]
-constexpr double kLeaveOut = 0.6;    // share of variations of a corner that leave it out
-constexpr double kCheckSteps = 0.7;  // way between two checks: velocities are not even
+constexpr double kAligned = 0.02;                       // turned to the next corner, after a stop [rad]
+constexpr double kSlowest = 0.02;                       // speed up to a stop [m/s]
+constexpr double kRest = 0.05;                          // velocities of a robot that has stopped [m/s, rad/s]
 
 // Speed with which a motion stops within `room`, and does not overrun it in a step.
 double slowing(double room, double deceleration) noexcept {
@@ -81,7 +76,7 @@ bool SmoothPath::work() noexcept {
     path_.at(checked_, c);
     const WholeConfiguration way = (c - before).cwiseAbs();
     const double moved = way.head<2>().norm() + limits_.base_lever * way[2] + way.tail(joints).dot(limits_.lever);
-    if (moved < kCheckSteps * params_.check_step && checked_ < path_.duration) continue;
+    if (moved < params_.smooth.check * params_.check_step && checked_ < path_.duration) continue;
     ++k;
     before = c;
     if (!space_.free(c)) {
@@ -121,7 +116,7 @@ void SmoothPath::vary() noexcept {
   corners_ = best_;
   const std::size_t n = corners_.size(), k = draws_.choice(n);
   const bool inner = k > 0 && k + 1 < n;
-  if (inner && (corners_[k].passing == kEarly || draws_.uniform() < kLeaveOut)) {
+  if (inner && (corners_[k].passing == kEarly || draws_.uniform() < params_.smooth.leave_out)) {
     corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(k));
     if (draws_.uniform() < 0.5) corners_[k - 1].passing = kEarly;
   } else if (corners_[k].passing > kEarly) {
@@ -142,7 +137,7 @@ bool SmoothPath::aim() noexcept {
   while (true) {
     arm_end_ = last.c.tail(joints);
     bool reached = true;
-    for (const double aside : {params_.smooth.aside, kMostLeft}) {
+    for (const double aside : {params_.smooth.aside, params_.smooth.aside_last}) {
       if (!simulate() || !(steps_ * kDriveStep < most)) return false;
       WholeConfiguration c = at_;
       c.tail(joints) = arm_end_;
@@ -255,9 +250,10 @@ SmoothPath::ToGo SmoothPath::to_go(const WholeConfiguration& c) noexcept {
   if (direction_ == 0.0) direction_ = forwards < 0.0 ? -1.0 : 1.0;
   const double along = direction_ * forwards;
   const bool beside = along <= 0.5 * rest.distance;
-  base_there_ = base_there_ || rest.distance < kThere ||
-                (beside && (rest.distance < kNoSteering ||
-                            (rest.distance < kPast && std::abs(u_[2]) > kSpinning * limits_.angular)));
+  base_there_ =
+      base_there_ || rest.distance < kThere ||
+      (beside && (rest.distance < kNoSteering ||
+                  (rest.distance < params_.smooth.past && std::abs(u_[2]) > params_.smooth.turning * limits_.angular)));
   if (base_there_) return rest;
   rest.off = std::atan2(direction_ * (cs * rest.way.y() - sn * rest.way.x()), along);
   rest.base = rest.distance / limits_.linear;

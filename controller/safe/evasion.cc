@@ -11,13 +11,6 @@
 namespace moma {
 namespace {
 
-constexpr double kMarginAtRest = 0.02;  // [m]
-constexpr double kMoment = 0.1;         // interval between checks [s]
-constexpr double kHalf = 0.5;           // least share of the margin at the start,
-constexpr double kRegained = 0.1;       // rate at which a reduced margin is restored [m/s]
-constexpr double kTouched = 0.005;      // [m]
-constexpr double kToldApart = 3.0;      // in margins: range in which distance ranks ways out
-
 // Limits the velocity by the wheels' speeds.
 Vector3 driven(const RobotModel& model, Vector3 velocity) noexcept {
   if (!model.base.wheels) return velocity;
@@ -134,13 +127,13 @@ void Evasion::begin(const Observation& o) noexcept {
 void Evasion::go_on(const Vector3& target) noexcept {
   const int dof = ramp_.dof();
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
-    const double lost = kMoment * acceleration_[dof + i], speed = std::abs(qdot_[i]);
+    const double lost = params_.step * acceleration_[dof + i], speed = std::abs(qdot_[i]);
     const double left = std::max(0.0, speed - lost);
     const double mean = left > 0.0 ? 0.5 * (speed + left) : (speed > 0.0 ? 0.5 * speed * speed / lost : 0.0);
     mean_[dof + i] = std::copysign(mean, qdot_[i]);
     qdot_[i] = std::copysign(left, qdot_[i]);
   }
-  drive(target, kMoment);
+  drive(target, params_.step);
 }
 
 // True if the way out towards `target` is clear after one period of `command`.
@@ -153,12 +146,13 @@ bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vecto
   double t = dt_;
   while (t < params_.horizon) {
     go_on(target);
-    t += kMoment;
+    t += params_.step;
     double moving = kInfinity, resting = kInfinity;
     look(range, moving, resting);
-    const double need = std::max(need_moving_, std::min(kHalf * params_.margin, need_moving_ + kRegained * t));
+    const double need =
+        std::max(need_moving_, std::min(params_.share * params_.margin, need_moving_ + params_.regain * t));
     if (moving < need || resting < need_resting_) return false;
-    if (std::min(moving, resting) < kTouched) return true;  // at least the present distance
+    if (std::min(moving, resting) < params_.touch) return true;  // at least the present distance
   }
   return true;
 }
@@ -173,18 +167,18 @@ double Evasion::worth(const Observation& o, const Vector3& target, double range)
   double moving = kInfinity, resting = kInfinity;
   for (double t = 0.0; t < params_.horizon;) {
     go_on(target);
-    t += kMoment;
+    t += params_.step;
     look(range, moving, resting);
     const double least = std::min(moving, resting);
-    if (least < kTouched) return t;
+    if (least < params_.touch) return t;
     worst = std::min(worst, least);
   }
   mean_.tail(q_.size()).setZero();
   double stood = 0.0;
-  for (; stood < params_.horizon; stood += kMoment) {
-    drive(Vector3::Zero(), kMoment);
+  for (; stood < params_.horizon; stood += params_.step) {
+    drive(Vector3::Zero(), params_.step);
     look(range, moving, resting);
-    if (std::min(moving, resting) < kTouched) break;
+    if (std::min(moving, resting) < params_.touch) break;
   }
   return params_.horizon + worst + range * std::min(1.0, stood / params_.horizon);
 }
@@ -198,19 +192,19 @@ bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base
     return true;
   reach_ = reach(o, command);
   begin(o);
-  const double range = std::max(params_.margin, kMarginAtRest);
+  const double range = std::max(params_.margin, params_.at_rest);
   look(range, need_moving_, need_resting_);
   need_moving_ = std::min(params_.margin, need_moving_);
-  need_resting_ = std::min(kMarginAtRest, need_resting_);
+  need_resting_ = std::min(params_.at_rest, need_resting_);
 
   const Vector3 stop = Vector3::Zero(), held = leading(command);
   if (is_clear(o, command, held, range) || is_clear(o, command, stop, range)) return true;
   for (const Vector3& target : velocities_)
     if (is_clear(o, command, target, range)) return true;
-  double best = worth(o, stop, kToldApart * range);
+  double best = worth(o, stop, params_.ranked * range);
   Vector3 chosen = stop;
   for (const Vector3& target : velocities_) {
-    const double value = worth(o, target, kToldApart * range);
+    const double value = worth(o, target, params_.ranked * range);
     if (!(value > best)) continue;
     best = value;
     chosen = target;

@@ -91,12 +91,25 @@ struct EvasionParams {
   bool enabled = false;
   double horizon = 2.0;  ///< time for which moving objects are assumed to keep their twists [s]
   double margin = 0.08;  ///< distance from them on a way out [m]
+  double at_rest = 0.02, touch = 0.005;
+  double step = 0.1;
+  double share = 0.5, regain = 0.1;
+  double ranked = 3.0;
 };
 
 constexpr void describe(auto& v, Of<EvasionParams>) {
   using P = EvasionParams;
   v.member("horizon", &P::horizon, in_range({0.0, 10.0, true}, "s", "horizon of the prediction"));
   v.member("margin", &P::margin, positive("m", "distance from moving objects on a way out"));
+  v.member("at_rest", &P::at_rest, unless_default(non_negative("m", "distance from objects at rest on a way out")));
+  v.member("touch", &P::touch, unless_default(non_negative("m", "distance at which a way out ends in contact")));
+  v.member("step", &P::step, unless_default(in_range({0.01, 10.0}, "s", "interval between checks of a way out")));
+  v.member("share", &P::share,
+           unless_default(in_range({0.0, 1.0}, "1", "share of `margin` that suffices where a way out begins")));
+  v.member("regain", &P::regain, unless_default(non_negative("m/s", "rate at which `margin` is asked again after it")));
+  v.member(
+      "ranked", &P::ranked,
+      unless_default(positive("1", "multiple of `margin` up to which distance ranks ways out that end in contact")));
 }
 
 /// Memory of objects that are no longer reported (object_memory.h).
@@ -123,6 +136,7 @@ struct EstimationParams {
   int least_tried = 12, beyond = 3;
   double forget = 0.5, better = 0.7;
   double gain = 0.02, gain_forget = 10.0;
+  double least_gain = 0.7, largest_gain = 1.3;
   double missed = 5.0;
   double relocated = 0.5;
   double jump = 0.1;
@@ -140,6 +154,8 @@ constexpr void describe(auto& v, Of<EstimationParams>) {
            in_range({0.0, 0.5}, "1", "spread of the base's gains from drive to drive; 0: the gains are 1"));
   v.member("gain_forget", &T::gain_forget,
            positive("s", "time constant with which a gain's measurements are forgotten"));
+  v.member("least_gain", &T::least_gain, in_range({0.0, 1.0, true}, "1", "least gain of the base that is believed"));
+  v.member("largest_gain", &T::largest_gain, in_range({1.0, 10.0}, "1", "largest gain of the base that is believed"));
   v.member("missed", &T::missed, positive("s", "time constant with which missed steps are forgotten"));
   v.member("relocated", &T::relocated, positive("m or rad", "error of the base's prediction that relocates it"));
   v.member("jump", &T::jump, positive("m or rad", "error of a track's prediction that begins it anew"));

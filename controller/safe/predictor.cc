@@ -18,7 +18,6 @@ constexpr double kFloor = 2e-4;
 
 // Noise of a velocity by which gains are judged, and the bounds of a gain.
 constexpr double kVelocityNoise = 0.01;
-constexpr double kLeastGain = 0.7, kLargestGain = 1.3;
 constexpr double kFollows = 1e-6;  // of a drive's velocity from its command
 
 // Shares of the drive's accelerations that are compared.
@@ -190,7 +189,7 @@ Vector3 Predictor::gains() const noexcept {
   if (gain_prior_ == 0.0) return gains;
   for (int i = 0; i < base_dof_; ++i)
     gains[i] = std::clamp((memory_.gain_measured[i] + gain_prior_) / (memory_.gain_commanded[i] + gain_prior_),
-                          kLeastGain, kLargestGain);
+                          params_.estimation.least_gain, params_.estimation.largest_gain);
   return gains;
 }
 

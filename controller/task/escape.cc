@@ -7,9 +7,7 @@
 namespace moma {
 namespace {
 
-constexpr double kShort = 0.02;     // a shorter horizontal vector has no direction [m]
-constexpr double kJump = 0.1;       // distance from its predicted pose at which a goal is a new goal [m],
-constexpr double kJumpAngle = 0.2;  // or angle [rad]
+constexpr double kShort = 0.02;  // a shorter horizontal vector has no direction [m]
 
 // Speed at which a goal with this twist recedes: its own contribution to V, at least 0.
 double receding(const EscapeParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept {
@@ -63,8 +61,8 @@ void Escape::set_memory(const EscapeMemory& memory) noexcept {
 bool Escape::goal_jumped(const GoalState& goal) const noexcept {
   const Vector3 expected = last_goal_.X_WG.translation() + dt_ * last_goal_.V_WG_W.tail<3>();
   const double turned = log_so3(goal.X_WG.linear() * last_goal_.X_WG.linear().transpose()).norm();
-  return (goal.X_WG.translation() - expected).norm() > kJump ||
-         turned > kJumpAngle + dt_ * last_goal_.V_WG_W.head<3>().norm();
+  return (goal.X_WG.translation() - expected).norm() > params_.jump ||
+         turned > params_.jump_angle + dt_ * last_goal_.V_WG_W.head<3>().norm();
 }
 
 void Escape::update(const EscapeInput& input, Task& task) noexcept {

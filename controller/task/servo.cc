@@ -31,9 +31,10 @@ Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vecto
 }
 
 Vector6 passing_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept {
-  constexpr double kNear = 0.3, kLever = 0.3, kMost = 3.0;  // [m], [m/rad], [1]
+  constexpr double kLever = 0.3;  // [m/rad]
   const double left = std::max(error.tail<3>().norm(), kLever * error.head<3>().norm());
-  return servo_twist(params, (left < kNear ? std::min(kNear / left, kMost) : 1.0) * error, V_WG_W);
+  return servo_twist(
+      params, (left < params.pass_from ? std::min(params.pass_from / left, params.pass_factor) : 1.0) * error, V_WG_W);
 }
 
 double error_norm(const ErrorNormParams& params, const Vector6& error) noexcept {

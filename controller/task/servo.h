@@ -29,8 +29,8 @@ Vector6 pose_error_rpy(const Isometry& X_WE, const Isometry& X_WG) noexcept;
 /// 11.17, with the feed-forward of the goal, whose subscript the article's summary drops).
 Vector6 servo_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept;
 
-/// The same towards a goal that is passed through: of the error times clip(0.3 m / max(|e_p|, 0.3 m |e_R|), 1, 3), so
-/// that E keeps its speed from 0.3 m to 0.1 m before the goal, and comes three times as quickly from there.
+/// The same towards a goal that is passed through: of the error times clip(pass_from / max(|e_p|, 0.3 m |e_R|), 1,
+/// pass_factor), so that E keeps its speed from pass_from on, and comes pass_factor times as quickly at the end.
 Vector6 passing_twist(const ServoParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept;
 
 /// ||e|| before clamping: |e_p|_2, |e_p|_1, or sqrt(|e_p|^2 + (scale |e_R|)^2).

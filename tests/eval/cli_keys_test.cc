@@ -24,7 +24,7 @@ TEST_F(CliKeys, OnesThatBeginSoWithUnitAndDefault) {
     }
     if (line.starts_with("controller.servo.position")) position = line;
   }
-  EXPECT_EQ(keys, 5) << out;
+  EXPECT_EQ(keys, 7) << out;
   for (const char* word : {"1/s", "1.5", "k_p"})
     EXPECT_NE(position.find(word), std::string::npos) << word << "\n" << out;
 }
