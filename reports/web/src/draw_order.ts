@@ -8,13 +8,8 @@ let observer: IntersectionObserver | null = null;
 
 /** Made when first needed: figures are also drawn where there is no window. */
 function seen(): IntersectionObserver {
-  return observer ??= new IntersectionObserver((entries, self) => {
-    for (const entry of entries) {
-      if (!entry.isIntersecting) continue;
-      self.unobserve(entry.target);
-      waiting.get(entry.target)?.();
-      waiting.delete(entry.target);
-    }
+  return observer ??= new IntersectionObserver((entries) => {
+    for (const entry of entries) if (entry.isIntersecting) drawWaiting(entry.target);
   }, { rootMargin: `${kMargin}px` });
 }
 
@@ -35,10 +30,9 @@ const figures: Element[] = [];
 
 function drawWaiting(element: Element): void {
   const call = waiting.get(element);
-  if (call === undefined) return;
   seen().unobserve(element);
   waiting.delete(element);
-  call();
+  call?.();
 }
 
 let idling = 0;

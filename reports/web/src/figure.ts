@@ -79,8 +79,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     const all = options();
     return all.length < 2 ? null : choice(label, all, value?.() ?? state.get(key), (chosen) => {
       state.set({ [key]: chosen });
-      fillControls();
-      draw();
+      follow();
     });
   }));
   const follow = (): void => {
