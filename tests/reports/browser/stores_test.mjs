@@ -21,7 +21,7 @@ const kinds = {
   twelve: { store: () => makeStore('twelve', 'many', 30, 1, 0, '--controllers', '12'), most: { megabytes: 3, nodes: 3000 } },
   one: { store: () => makeStore('one', 'one', 1), most: { megabytes: 3, nodes: 1400 } },
   errors: { store: () => makeErrors('errors', 24), most: { megabytes: 3, nodes: 2000 } },
-  large: { store: () => makeStore('large', 'demo', 600, 2), most: { megabytes: 3, nodes: 2000 } },
+  large: { store: () => makeStore('large', 'demo', 1200, 2), most: { megabytes: 4, nodes: 2000 } },
 };
 
 /** A number as the page writes it, with so many decimals. */
