@@ -150,12 +150,17 @@ constexpr void describe(auto& v, Of<SmoothParams>) {
            in_range({1.0, 100.0}, "1", "a first motion may take so many times what counts: further ones shorten it"));
   v.member("aside", &T::aside,
            non_negative("rad or m", "largest change of a joint that makes up for the heading of the base"));
-  v.member("aside_last", &T::aside_last, non_negative("rad or m", "the same where a motion is simulated again"));
-  v.member("past", &T::past, non_negative("m", "distance at which a base that turns about a corner gives it up"));
-  v.member("turning", &T::turning, in_range({0.0, 1.0}, "1", "share of its angular speed with which it then turns"));
-  v.member("leave_out", &T::leave_out, in_range({0.0, 1.0}, "1", "share of a corner's variations that leave it out"));
+  v.member("aside_last", &T::aside_last,
+           unless_default(non_negative("rad or m", "the same where a motion is simulated again")));
+  v.member("past", &T::past,
+           unless_default(non_negative("m", "distance at which a base that turns about a corner gives it up")));
+  v.member("turning", &T::turning,
+           unless_default(in_range({0.0, 1.0}, "1", "share of its angular speed with which it then turns")));
+  v.member("leave_out", &T::leave_out,
+           unless_default(in_range({0.0, 1.0}, "1", "share of a corner's variations that leave it out")));
   v.member("check", &T::check,
-           in_range({0.0, 1.0, true}, "1", "way between two checks of such a motion, in units of plan.check_step"));
+           unless_default(in_range({0.0, 1.0, true}, "1",
+                                   "way between two checks of such a motion, in units of plan.check_step")));
 }
 
 /// Following of a path (plan/follow.h, qp/pose.h).
@@ -176,8 +181,9 @@ constexpr void describe(auto& v, Of<FollowParams>) {
   v.member("rate", &T::rate, positive("1/s", "least gain of the rows' dampers on a path"));
   v.member("kept", &T::kept, in_range({0.0, 1.0}, "1", "share of the path's clearances that rows keep"));
   v.member("joint_influence", &T::joint_influence,
-           positive("rad or m", "distance from a joint's limit at which its damper begins, at most"));
-  v.member("joint_stop", &T::joint_stop, non_negative("rad or m", "distance from it that the damper keeps, at most"));
+           unless_default(positive("rad or m", "distance from a joint's limit at which its damper begins, at most")));
+  v.member("joint_stop", &T::joint_stop,
+           unless_default(non_negative("rad or m", "distance from it that the damper keeps, at most")));
   v.member("to_end", &T::to_end, {.text = "a path of less than plan.clearance is followed to its end"});
 }
 
@@ -239,7 +245,8 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("least", &T::least, non_negative("m", "largest distance that is asked of a path when it is checked again"));
   v.member("less", &T::less, non_negative("m", "subtracted from the share of the path's clearance"));
   v.member("share", &T::share, in_range({0.0, 1.0}, "1", "share of the path's clearance that is asked then"));
-  v.member("watch_step", &T::watch_step, in_range({0.01, 10.0}, "s", "interval between moments that are checked"));
+  v.member("watch_step", &T::watch_step,
+           unless_default(in_range({0.01, 10.0}, "s", "interval between moments that are checked")));
 }
 
 /// Look-ahead (controller/lookahead): the controller predicts its own motion, and plans for base and arm if it would

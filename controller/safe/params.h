@@ -154,8 +154,10 @@ constexpr void describe(auto& v, Of<EstimationParams>) {
            in_range({0.0, 0.5}, "1", "spread of the base's gains from drive to drive; 0: the gains are 1"));
   v.member("gain_forget", &T::gain_forget,
            positive("s", "time constant with which a gain's measurements are forgotten"));
-  v.member("least_gain", &T::least_gain, in_range({0.0, 1.0, true}, "1", "least gain of the base that is believed"));
-  v.member("largest_gain", &T::largest_gain, in_range({1.0, 10.0}, "1", "largest gain of the base that is believed"));
+  v.member("least_gain", &T::least_gain,
+           unless_default(in_range({0.0, 1.0, true}, "1", "least gain of the base that is believed")));
+  v.member("largest_gain", &T::largest_gain,
+           unless_default(in_range({1.0, 10.0}, "1", "largest gain of the base that is believed")));
   v.member("missed", &T::missed, positive("s", "time constant with which missed steps are forgotten"));
   v.member("relocated", &T::relocated, positive("m or rad", "error of the base's prediction that relocates it"));
   v.member("jump", &T::jump, positive("m or rad", "error of a track's prediction that begins it anew"));

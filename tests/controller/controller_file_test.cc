@@ -184,7 +184,7 @@ TEST_F(ControllerFile, WhatEarlierTrialsWroteKeepsItsBytes) {
         config::read_controller(config::node_from_json(json, "store"), "", *model_, 0.02, warnings);
     EXPECT_EQ(config::to_json(p).dump(), line);
   }
-  EXPECT_EQ(count, 13);
+  EXPECT_EQ(count, 14);
 }
 
 TEST_F(ControllerFile, PartsThatAreOffKeepTheirValuesWhereTheFileHasThem) {
