@@ -1,6 +1,7 @@
 #include "controller/config/mesh_hull.h"
 
-#include <coal/mesh_loader/assimp.h>
+#include <coal/BVH/BVH_model.h>
+#include <coal/mesh_loader/loader.h>
 
 #include <algorithm>
 #include <cctype>
@@ -83,29 +84,29 @@ std::string reason_in(const std::string& words) {
 }  // namespace
 
 Mesh read_mesh(const fs::path& file, const Vector3& scale) {
-  // What coal's MeshLoader does, but for the tree of boxes that it builds over the triangles.
-  coal::internal::TriangleAndVertices loaded;
+  coal::BVHModelPtr_t loaded;
   try {
     const double unit = check_mesh(file);
-    coal::internal::Loader loader;
-    loader.load(file.string());
-    coal::internal::buildMesh(unit * scale, loader.scene, 0, loaded);
+    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), unit * scale);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
     throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + reason_in(e.what()));
   }
-  if (loaded.vertices_.empty()) throw std::runtime_error("the mesh " + file.string() + " has no vertices");
-  if (loaded.vertices_.size() > kMaxMeshVertices) {
+  if (!loaded || !loaded->vertices || loaded->num_vertices == 0)
+    throw std::runtime_error("the mesh " + file.string() + " has no vertices");
+  if (loaded->num_vertices > kMaxMeshVertices) {
     throw std::runtime_error("the mesh " + file.string() + " has more than " + std::to_string(kMaxMeshVertices) +
                              " vertices");
   }
   Mesh mesh;
-  mesh.vertices.assign(loaded.vertices_.begin(), loaded.vertices_.end());
+  mesh.vertices.assign(loaded->vertices->begin(), loaded->vertices->begin() + loaded->num_vertices);
   for (const Vector3& p : mesh.vertices)
     if (!p.allFinite()) throw std::runtime_error("the mesh " + file.string() + " has vertices that are not finite");
-  for (const coal::Triangle& t : loaded.triangles_)
+  for (unsigned i = 0; loaded->tri_indices && i < loaded->num_tris; ++i) {
+    const coal::Triangle& t = (*loaded->tri_indices)[i];
     mesh.triangles.emplace_back(static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2]));
+  }
   return mesh;
 }
 
