@@ -11,7 +11,7 @@
 
 namespace moma::foreign {
 
-/// What is not as it was in a file, and the names of what it concerns.
+/// Kinds of change that an import makes to a file's contents, and the names of the objects of each.
 using Changes = std::map<std::string, std::set<std::string>>;
 
 /// Reads a planning scene, as YAML or JSON of the message; `family` names one that has no name. `at_ready`: the robot.
