@@ -363,7 +363,7 @@ TEST(View, ClientsThatHoldItDoNotKeepOthersOut) {
   // threads.
   for (const std::string& begin :
        {"GET / HTTP/1.1\r\n" + host + "X: ", std::string(), "GET / HTTP/1.1\r\n" + host + "\r\n"}) {
-    for (const std::size_t count : {16U, 300U}) {
+    for (const std::size_t count : {16U, 100U, 300U}) {
       const Holding holding(port, count, begin);
       for (int i = 0; i < 3; ++i)
         EXPECT_NE(request(port, "/state.json").find(" 200 "), std::string::npos) << count << " of " << begin;

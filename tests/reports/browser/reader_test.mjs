@@ -182,7 +182,7 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
   await context.close();
 }
 
-// ---- a phone, in the dark: both controllers, nothing cut off, accessible, as on paper --------------------------------------------------------------
+// ---- a phone, light and dark: both controllers, nothing cut off, accessible, as on paper --------------------------------------------------------------
 {
   const { context, page } = await open(html, { width: 390, height: 844, ratio: 2, touch: true, scene: true, webgl: false, near: true });
   for (const verdict of await page.locator('.verdict').all()) {
@@ -192,16 +192,17 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
   await figuresFollow(page);
   await noOverflow(page, 'phone');
   await strip(page);
-  // Its colours are those of a wide window, which the test of the page looks at, light and dark.
-  await page.emulateMedia({ colorScheme: 'dark' });
-  await page.waitForFunction(() => document.documentElement.dataset.theme === 'dark');
-  await drawn(page);
-  await accessible(page, source, 'phone');
+  for (const scheme of ['light', 'dark']) {
+    await page.emulateMedia({ colorScheme: scheme });
+    await page.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, scheme);
+    await drawn(page);
+    await accessible(page, source, `phone, ${scheme}`, { view: scheme === 'dark' });
+  }
   // On paper: as accessible as on the screen.
   await page.setViewportSize({ width: 800, height: 900 });
   await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
   await page.emulateMedia({ media: 'print' });
-  await accessible(page, source, 'print', { view: true });
+  await accessible(page, source, 'print');
   await context.close();
 }
 

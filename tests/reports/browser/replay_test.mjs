@@ -220,9 +220,9 @@ const replayOnPhone = async (page, scheme) => {
   await context.close();
 }
 {
-  const demo = makePage(makeStore('demo', 'demo', 24, 3));
+  const demo = makePage(makeStore('demo', 'demo', 60));
   const data = dataOf(demo);
-  const { context, page } = await open(demo, { width: 420, height: 500, scene: true });
+  const { context, page } = await open(demo, { width: 900, height: 640, scene: true });
   await page.locator('#failures').scrollIntoViewIfNeeded();
   await page.locator('.atlas .play').first().click();
   await page.waitForSelector('.stage-box[data-trial]');
@@ -248,6 +248,7 @@ const replayOnPhone = async (page, scheme) => {
   const bare = demo.replace('demo.html', 'bare.html');
   writeFileSync(bare, readFileSync(demo, 'utf8').replace('"wheels":{"radius":0.12,"separation":0.66}', '"wheels":{}'));
   const seen = async (where) => {
+    await where.setViewportSize({ width: 420, height: 500 });
     await where.locator('.stage').scrollIntoViewIfNeeded();
     await tellAt(where, empty, data.replays[empty].trial, [0]);
     return picture(where);

@@ -59,9 +59,8 @@ const figuresOf = (page) => page.locator('.figure').evaluateAll((all) => all.map
   return { id: figure.id.replace('figure-', ''), empty: figure.querySelector('.empty')?.textContent, width: layers[0]?.width, height: layers[0]?.height, letters: layers.flatMap((layer) => layer.letters ?? []) };
 }));
 
-/** Where each width and each scheme is seen once: words lie where they lie, whatever their colours. What is wider than 1180 is margin. */
-const views = [[1280, 'light'], [390, 'dark']];
-const widest = { demo: [[1920, 'dark']], sweep: [[1920, 'dark']] };
+/** Where each width and each scheme is seen once: words lie where they lie, whatever their colours. */
+const views = [[1280, 'light'], [390, 'dark'], [1920, 'dark']];
 
 for (const [kind, { store, most }] of Object.entries(kinds)) {
   const db = store();
@@ -70,7 +69,7 @@ for (const [kind, { store, most }] of Object.entries(kinds)) {
   check(megabytes < most.megabytes, `${kind}: the page is ${megabytes.toFixed(1)} MB`);
   const { context, page } = await open(html, { near: true, init: noteLetters });
   let drawnAtFirst;
-  for (const [width, colorScheme] of [...views, ...widest[kind] ?? []]) {
+  for (const [width, colorScheme] of views) {
     const what = `${kind}, ${width}, ${colorScheme}`;
     await Promise.all([page.emulateMedia({ colorScheme }), page.setViewportSize({ width, height: 900 })]);   // figures are drawn once for both
     await page.waitForFunction(([wanted, scheme]) => innerWidth === wanted && document.documentElement.dataset.theme === scheme, [width, colorScheme]);
