@@ -2,23 +2,21 @@
 #   cmake -DBINARY_DIR=... -DCTEST=... -P labels_test.cmake
 cmake_minimum_required(VERSION 3.25)
 
-# Sets `names` to the tests that ctest lists with these arguments.
-function(tests_of)
-  execute_process(COMMAND "${CTEST}" --test-dir "${BINARY_DIR}" -N ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output)
-  if(NOT code EQUAL 0)
-    message(FATAL_ERROR "ctest -N ${ARGN} failed:\n${output}")
-  endif()
-  string(REGEX MATCHALL "Test +#[0-9]+: [^\n]+" names "${output}")
-  set(names "${names}" PARENT_SCOPE)
-endfunction()
-
-tests_of(-L "^fast$")
-set(labelled "${names}")
-tests_of(-L "^slow$")
-list(APPEND labelled ${names})
-tests_of()
+# One listing for all: each starts every test program twice, to ask for its suites.
+execute_process(COMMAND "${CTEST}" --test-dir "${BINARY_DIR}" -N -V RESULT_VARIABLE code OUTPUT_VARIABLE output)
+if(NOT code EQUAL 0)
+  message(FATAL_ERROR "ctest -N -V failed:\n${output}")
+endif()
+string(REGEX MATCHALL "Test +#[0-9]+: [^\n]+" names "${output}")
+string(REGEX MATCHALL "\nLabels:[^\n]*\n +Test +#[0-9]+: [^\n]+" with_labels "${output}")
 list(TRANSFORM names REPLACE ".*: " "")
-list(TRANSFORM labelled REPLACE ".*: " "")
+set(labelled "")
+foreach(kind IN ITEMS fast slow)
+  set(of_kind ${with_labels})
+  list(FILTER of_kind INCLUDE REGEX "\nLabels:[^\n]* ${kind}[ \n]")
+  list(TRANSFORM of_kind REPLACE ".*#[0-9]+: " "")
+  list(APPEND labelled ${of_kind})
+endforeach()
 list(FILTER names EXCLUDE REGEX "_NOT_BUILT$")  # programs that are not built have no cases yet
 list(LENGTH names count)
 if(count LESS 20)
