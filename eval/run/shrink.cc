@@ -112,8 +112,9 @@ class Shrinker {
           fmt::format("trial {} does not fail again as it is stored; moma replay --check shows how it differs",
                       replay.trial.key.substr(0, 16)));
     now_ = {replay.world, point_.disturbances};
-    now_.earliest = std::min(0.5, 0.5 * trial_.time_end_s);  // excludes failures by the start state
-    now_.latest = 2.0 * trial_.time_end_s + 1.0;             // saves the rest of the trials that pass
+    now_.world.time_bound = std::numeric_limits<double>::infinity();  // rows of candidates are compared without it
+    now_.earliest = std::min(0.5, 0.5 * trial_.time_end_s);           // excludes failures by the start state
+    now_.latest = 2.0 * trial_.time_end_s + 1.0;                      // saves the rest of the trials that pass
     own_ = now_.world.moves;
     for (std::size_t i = 0; i < now_.world.objects.size(); ++i)
       if (now_.world.objects[i].noise < 0) now_.world.objects[i].noise = static_cast<int>(i);
@@ -385,6 +386,7 @@ class Shrinker {
   /// Counts the noises with a failure, and repeats the world's own trial.
   void finish() {
     const std::atomic<bool>* const stop = std::exchange(request_.stop, nullptr);
+    now_.world.time_bound.reset();
     const std::vector<TrialRow> rows = this->rows();
     request_.stop = stop;
     out_.row = rows.front();
