@@ -70,12 +70,11 @@ Points hull_points(const Points& points) {
 Points extreme_points(const Points& points, int count) {
   if (static_cast<int>(points.size()) <= count) return points;
   std::set<std::size_t> chosen;
+  std::vector<double> along(points.size());
   for (int k = 0; k < count; ++k) {
     const Vector3 direction = spiral(1.0 - (2.0 * k + 1.0) / count, k);
-    const auto furthest = std::max_element(points.begin(), points.end(), [&](const Vector3& a, const Vector3& b) {
-      return direction.dot(a) < direction.dot(b);
-    });
-    chosen.insert(static_cast<std::size_t>(furthest - points.begin()));
+    std::transform(points.begin(), points.end(), along.begin(), [&](const Vector3& p) { return direction.dot(p); });
+    chosen.insert(static_cast<std::size_t>(std::max_element(along.begin(), along.end()) - along.begin()));
   }
   Points extremes;
   for (const std::size_t i : chosen) extremes.push_back(points[i]);
