@@ -1,6 +1,5 @@
 # Read by ctest: each suite of a GoogleTest program is one test, `slow` if the filter `slow` takes any of its cases. A process
-# for each case would spend more time on loading libraries than on most cases. Set: name, program, slow, timeout,
-# and a folder to look for programs in first, or none: path.
+# for each case would spend more time on loading libraries than on most cases. Set: name, program, slow, timeout.
 function(suites_of filter out)
   set(list "")
   if(EXISTS "${program}" AND NOT filter STREQUAL "")
@@ -22,9 +21,6 @@ foreach(suite IN LISTS suites)
   add_test("${suite}" "${program}" "--gtest_filter=${suite}.*" --gtest_brief=1)
   # Threads that wait sleep: several tests share the cores.
   set_tests_properties("${suite}" PROPERTIES TIMEOUT "${timeout}" ENVIRONMENT OMP_WAIT_POLICY=passive ${kind})
-  if(path)
-    set_tests_properties("${suite}" PROPERTIES ENVIRONMENT_MODIFICATION "PATH=path_list_prepend:${path}")
-  endif()
 endforeach()
 if(NOT suites)
   add_test("${name}_NOT_BUILT" "${name}_NOT_BUILT")
