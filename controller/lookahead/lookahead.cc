@@ -306,7 +306,7 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   }
   Path& path = state_.path;
   if (path.passes() && state_.brief.clock >= path.pass) {
-    if (arrived_ || state_.brief.clock < path.pass + params_.decisions.missed) return;
+    if (arrived_ || (state_.brief.clock < path.pass + params_.decisions.missed && !stuck())) return;
     // The path leads away from a goal that it has missed.
     state_.missed = state_.former = true;
     path.pass = kInfinity;

@@ -1,6 +1,7 @@
 // Towards a goal that need not be stopped at: the path on to the next goal, and ways that pass the goal in motion.
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "controller/lookahead/lookahead.h"
@@ -12,11 +13,11 @@ namespace moma {
 bool Lookahead::work_onward(const Observation& o, long& budget) noexcept {
   if (job_ == Job::kNone) {
     const bool may_pass = !state_.missed && !o.goal.stop && o.next && o.next->V_WG_W.norm() <= kAtRest;
-    if (!may_pass || !is_whole(o.goal) || !is_whole(*o.next) || state_.path.close() || traffic_ ||
-        state_.steps < state_.next_onward)
-      return false;
+    if (!may_pass || !is_whole(o.goal) || !is_whole(*o.next) || state_.path.close() || traffic_) return false;
+    if (state_.path.passes()) return begin_pass(o);
+    if (state_.steps < state_.next_onward) return false;
     state_.next_onward = state_.steps + periods(params_.period);
-    return state_.path.passes() ? begin_pass(o) : begin_onward(o);
+    return begin_onward(o);
   }
   return job_ == Job::kPass ? work_pass(budget) : append_onward(budget);
 }
@@ -46,7 +47,6 @@ bool Lookahead::append_onward(long& budget) noexcept {
   if (!state_.path.append(state_.brief.clock, on, shift_.back(later_.goal.X_WG))) return false;
   if (!choice_.is_direct()) state_.brief.reason = PlanReason::kQuicker;  // something may be quicker on the way
   state_.brief.duration = state_.path.duration;
-  state_.next_onward = state_.steps;
   place_end();
   return true;
 }
@@ -57,10 +57,12 @@ bool Lookahead::begin_pass(const Observation& o) noexcept {
   const double ahead = rate_ * params_.decisions.pass_ahead;
   if (params_.direct_way.pass_tries == 0 || ahead <= 0.0 || state_.brief.clock + ahead >= path.pass) return false;
   look_ahead_on_path(o, ahead);
-  WholeConfiguration pass;
+  WholeConfiguration pass, last;
   path.at(path.pass, pass);
+  path.at(path.duration, last);
   choice_.direct_way().begin_passing(choice_.motion_of(later_), o.goal.X_WG, o.next->X_WG, shift_.of(pass),
-                                     path.duration - way_from_ - params_.decisions.way_gain, o.objects);
+                                     shift_.of(last), path.duration - way_from_ - params_.decisions.way_gain,
+                                     static_cast<std::uint64_t>(state_.steps), o.objects);
   job_ = Job::kPass;
   return true;
 }
@@ -75,7 +77,6 @@ bool Lookahead::work_pass(long& budget) noexcept {
   state_.path = way.path();
   state_.path.begin_earlier(until);
   begin_path(PlanReason::kDirectWay);
-  state_.next_onward = state_.steps + periods(params_.period);
   return true;
 }
 

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace moma {
 namespace {
 
-constexpr double kLeastNear = 0.9;  // part of the way to the best end at which nearer tries begin, at most
+constexpr int kCorrections = 2;      // of the point to which a base steers
+constexpr double kAnywhere = 0.25;   // share of the ways on past a goal that end anywhere
+constexpr double kLeastScale = 0.1;  // of the draws around the end of the path so far
+constexpr double kLeastNear = 0.9;   // part of the way to the best end at which nearer tries begin, at most
 
 ControllerParams with_share(ControllerParams params) {
   params.plan.speed = params.plan.acceleration = params.plan.direct_way.share;
@@ -58,7 +62,7 @@ bool DirectWay::clear(const MotionState& start, const Isometry& X_WG, std::span<
   return !close_goal_ && !(start.moves() && space_.clearances().object < params_.clearance);
 }
 
-void DirectWay::begin_tries(const MotionState& start, const Isometry& X_WG) noexcept {
+void DirectWay::begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept {
   start_ = start;
   X_WG_ = X_WG;
   ends_.clear();
@@ -66,45 +70,49 @@ void DirectWay::begin_tries(const MotionState& start, const Isometry& X_WG) noex
   draws_ = {};
   tries_ = 0;
   next_ = 0;
-  stage_ = Stage::kTries;
-}
-
-void DirectWay::end_tries() noexcept {
-  stage_ = passes_ ? Stage::kPasses : Stage::kDone;
-  if (!passes_ || !(best_.time < kInfinity)) return;
-  const double time = first_path_.duration + best_path_.duration;
-  if (!(time < std::min(within_, pass_time_)) || !first_path_.append(0.0, best_path_, X_WN_)) return;
-  pass_time_ = time;
-  pass_path_ = first_path_;
-}
-
-void DirectWay::begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept {
   passes_ = false;
-  begin_tries(start, X_WG);
-  if (!clear(start, X_WG, objects)) stage_ = Stage::kDone;
+  stage_ = clear(start, X_WG, objects) ? Stage::kTries : Stage::kDone;
 }
 
 void DirectWay::begin_passing(const MotionState& start, const Isometry& X_WG, const Isometry& X_WN,
-                              const WholeConfiguration& pass, double within,
-                              std::span<const ObjectState> objects) noexcept {
-  passes_ = true;
-  pass_time_ = kInfinity;
-  within_ = within;
-  X_WN_ = X_WN;
-  pass_next_ = 0;
+                              const WholeConfiguration& pass, const WholeConfiguration& last, double within,
+                              std::uint64_t seed, std::span<const ObjectState> objects) noexcept {
+  X_WG_ = X_WN;
+  last_ = last;
+  pass_time_ = within;
+  pass_path_.pass = kInfinity;
+  draws_ = {seed, 0};
   tries_ = 0;
+  passes_ = true;
   passing_.begin(start, X_WG, X_WN, pass);
-  stage_ = clear(start, X_WN, objects) && clear(start, X_WG, objects) ? Stage::kPassTries : Stage::kDone;
+  stage_ = clear(start, X_WN, objects) && clear(start, X_WG, objects) ? Stage::kPassing : Stage::kDone;
 }
 
-// Takes the next way to the goal, and begins to search one on from there if it is free.
-void DirectWay::work_passes() noexcept {
-  if (pass_next_ == passing_.count() || pass_next_ == static_cast<std::size_t>(params_.direct_way.pass_ways)) {
-    stage_ = Stage::kDone;
-    return;
-  }
-  const MotionState& pass = passing_.lay(pass_next_++, first_path_, longest_);
-  if (is_free(space_, first_path_, longest_, params_.check_step)) begin_tries(pass, X_WN_);
+void DirectWay::try_passing() noexcept {
+  first_time_ = passing_.make(tries_, draws_);
+  if (!(first_time_ < pass_time_)) return;
+  start_ = passing_.pass();
+  on_.time = kInfinity;
+  next_ = 0;
+  stage_ = Stage::kEnds;
+}
+
+// Tries another way on from there.
+void DirectWay::try_end() noexcept {
+  End end;
+  if (draws_.uniform() < kAnywhere)
+    seed(end);
+  else
+    seed_near(last_, end);
+  if (make(end) && end.time < on_.time) on_ = end;
+  if (++next_ < static_cast<std::size_t>(params_.direct_way.pass_ends)) return;
+  stage_ = first_time_ + on_.time < pass_time_ ? Stage::kPass : Stage::kPassing;
+}
+
+void DirectWay::take_passing() noexcept {
+  if (!take(on_) || !first_path_.append(0.0, best_path_, X_WG_)) return;
+  pass_time_ = first_path_.duration;
+  pass_path_ = first_path_;
 }
 
 bool DirectWay::advance(long& budget) noexcept {
@@ -119,12 +127,22 @@ bool DirectWay::advance(long& budget) noexcept {
 void DirectWay::work() noexcept {
   End end;
   switch (stage_) {
-    case Stage::kPassTries:
-      passing_.work();
-      if (++tries_ >= params_.direct_way.pass_tries) stage_ = Stage::kPasses;
+    case Stage::kPassing:
+      if (tries_++ == params_.direct_way.pass_tries)
+        stage_ = Stage::kDone;
+      else
+        try_passing();
       return;
-    case Stage::kPasses:
-      work_passes();
+    case Stage::kEnds:
+      try_end();
+      return;
+    case Stage::kPass:
+      passing_.lay(first_path_, longest_);
+      stage_ = is_free(space_, first_path_, longest_, params_.check_step) ? Stage::kOn : Stage::kPassing;
+      return;
+    case Stage::kOn:
+      take_passing();
+      stage_ = Stage::kPassing;
       return;
     case Stage::kTries:
       if (tries_++ == params_.direct) {
@@ -139,7 +157,7 @@ void DirectWay::work() noexcept {
       return;
     case Stage::kChecks:
       if (next_ == ends_.size()) {
-        end_tries();
+        stage_ = Stage::kDone;
       } else if (take(ends_[next_++])) {
         tries_ = 0;
         stage_ = Stage::kNearer;
@@ -147,7 +165,7 @@ void DirectWay::work() noexcept {
       return;
     case Stage::kNearer:
       if (tries_++ == params_.direct_way.nearer_tries) {
-        end_tries();
+        stage_ = Stage::kDone;
         return;
       }
       end.c = start_.c + draws_.uniform(params_.direct_way.nearest, kLeastNear) * (best_.c - start_.c);
@@ -164,15 +182,27 @@ void DirectWay::seed(End& end) noexcept {
   const DirectWayParams& p = params_.direct_way;
   WholeConfiguration& c = end.c;
   c = start_.c;
-  for (int i = 0; i < limits_.num_joints(); ++i)
-    c[3 + i] = std::clamp(c[3 + i] + limits_.part[i] * draws_.uniform(-p.joints, p.joints), space_.lower()[i],
-                          space_.upper()[i]);
+  space_.vary_joints(p.joints, draws_, c);
   end.stays = !limits_.mobile() || (limits_.base->nonholonomic() && tries_ % p.stay == 0);
   if (end.stays) return;
   const Vector2 goal = X_WG_.translation().head<2>(), from = start_.c.head<2>() - goal;
   const double stand = std::min(from.norm(), draws_.uniform(p.near, p.far));
   const double angle = std::atan2(from.y(), from.x()) + draws_.uniform(-p.aside, p.aside);
   c.head<2>() = goal + stand * Vector2(std::cos(angle), std::sin(angle));
+  head_along(limits_, start_.c, SteeredDrive::kReached, c);
+}
+
+// Draws joints and a base around `near`, whose place is pulled towards the start.
+void DirectWay::seed_near(const WholeConfiguration& near, End& end) noexcept {
+  const DirectWayParams& p = params_.direct_way;
+  const double scale = std::pow(kLeastScale, draws_.uniform());
+  WholeConfiguration& c = end.c;
+  c = near;
+  space_.vary_joints(scale * p.joints, draws_, c);
+  end.stays = !limits_.mobile();
+  if (end.stays) return;
+  const Vector2 aside(draws_.uniform(-p.far, p.far), draws_.uniform(-p.far, p.far));
+  c.head<2>() += scale * (0.5 * aside + draws_.uniform() * (start_.c - c).head<2>());
   head_along(limits_, start_.c, SteeredDrive::kReached, c);
 }
 
@@ -185,10 +215,17 @@ bool DirectWay::make(End& end) noexcept {
   WholeConfiguration from = start_.c;
   if (steered) {
     end.point = end.stays ? start_.c.head<2>() : c.head<2>();
-    if (!drive_to(end)) return false;
+    for (int correction = 0;; ++correction) {
+      if (!drive_to(end)) return false;
+      from.head<3>() = c.head<3>() = drive_.end();
+      WholeConfiguration near = c;
+      if (ik_.solve(space_, X_WG_, c, false)) break;
+      // The base has to come to rest where the arm reaches the goal with that heading.
+      if (end.stays || correction == kCorrections || !ik_.solve(space_, X_WG_, near)) return false;
+      end.point += (near - from).head<2>();
+      c = near;
+    }
     drive = drive_.time();
-    from.head<3>() = c.head<3>() = drive_.end();
-    if (!ik_.solve(space_, X_WG_, c, false)) return false;
   } else {
     c[2] = start_.c[2] + wrapped(c[2] - start_.c[2]);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -29,16 +30,17 @@ class DirectWay {
   /// Keeps the tool upright on the ways that begin from now on.
   void keep_upright(const std::optional<Upright>& upright) noexcept { upright_ = upright; }
   void begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
-  /// Begins a search for a way through the goal at X_WG, past the configuration `pass` or near it, to the goal at X_WN,
-  /// in less than `within` seconds. The most promising ways to the goal (passing_way.h) go on as direct ways from
-  /// there.
+  /// Begins a search for a way through the goal at X_WG to the one at X_WN, in less than `within` seconds. A try is a
+  /// way to the goal (passing_way.h), past the configuration `pass` or near it, and the quickest of a few direct ways
+  /// from there; some end near `last`. It counts if it is free and the quickest so far. All draws come from `seed`.
   void begin_passing(const MotionState& start, const Isometry& X_WG, const Isometry& X_WN,
-                     const WholeConfiguration& pass, double within, std::span<const ObjectState> objects) noexcept;
+                     const WholeConfiguration& pass, const WholeConfiguration& last, double within, std::uint64_t seed,
+                     std::span<const ObjectState> objects) noexcept;
   /// Works until `budget` checks are spent or the search is complete; subtracts them. True if work is left.
   bool advance(long& budget) noexcept;
 
   /// True if a free way is known; path() is the quickest so far.
-  bool found() const noexcept { return passes_ ? pass_time_ < kInfinity : best_.time < kInfinity; }
+  bool found() const noexcept { return passes_ ? pass_path_.passes() : best_.time < kInfinity; }
   const Path& path() const noexcept { return passes_ ? pass_path_ : best_path_; }
   /// True if the hand is nearer to an object at the goal than `clearance`: such a goal has no direct way.
   bool close_goal() const noexcept { return close_goal_; }
@@ -51,14 +53,15 @@ class DirectWay {
     bool stays = false;               // the base does not move, or only comes to rest
     double time = kInfinity;          // time of the way [s]
   };
-  enum class Stage { kPassTries, kPasses, kTries, kChecks, kNearer, kDone };
+  enum class Stage { kPassing, kEnds, kPass, kOn, kTries, kChecks, kNearer, kDone };
 
   bool clear(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
   void work() noexcept;
-  void work_passes() noexcept;
-  void begin_tries(const MotionState& start, const Isometry& X_WG) noexcept;
-  void end_tries() noexcept;
+  void try_passing() noexcept;
+  void try_end() noexcept;
+  void take_passing() noexcept;
   void seed(End& end) noexcept;
+  void seed_near(const WholeConfiguration& near, End& end) noexcept;
   bool make(End& end) noexcept;
   bool drive_to(const End& end) noexcept;
   bool take(const End& end) noexcept;
@@ -86,16 +89,17 @@ class DirectWay {
   CountedDraws draws_;
   int tries_ = 0;
   std::vector<End> ends_;  // the quickest first
-  std::size_t next_ = 0;   // the next one of them to be checked
+  std::size_t next_ = 0;   // the next one of them to be checked, or to be tried past a goal
   End best_;
   Edge edge_;
   Path path_, best_path_;
   bool passes_ = false;
-  std::size_t pass_next_ = 0;  // the next one of the ways to the goal
-  double pass_time_ = kInfinity, within_ = kInfinity;
-  Isometry X_WN_ = Isometry::Identity();
-  Path first_path_, pass_path_;  // to the goal, and the best one through it
-  double longest_ = 0.0;         // approximate travel of the robot's farthest point on path_ [m]
+  WholeConfiguration last_;
+  double pass_time_ = kInfinity;  // of the best way through the goal, or in which it has to be [s]
+  double first_time_ = 0.0;       // of the present try's way to the goal [s]
+  End on_;                        // and its way on from there
+  Path first_path_, pass_path_;   // to the goal, and the best one through it
+  double longest_ = 0.0;          // approximate travel of the robot's farthest point on path_ [m]
 };
 
 }  // namespace moma

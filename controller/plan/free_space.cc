@@ -81,6 +81,11 @@ bool FreeSpace::bring_upright(WholeConfiguration& c) noexcept {
   return updates > 0;
 }
 
+void FreeSpace::vary_joints(double range, CountedDraws& draws, WholeConfiguration& c) const noexcept {
+  for (int i = 0; i < limits_->num_joints(); ++i)
+    c[3 + i] = std::clamp(c[3 + i] + limits_->part[i] * draws.uniform(-range, range), keeps_.low[i], keeps_.high[i]);
+}
+
 void FreeSpace::unwind(WholeConfiguration& c) const noexcept {
   for (int i = 0; i < limits_->num_joints(); ++i) {
     double& q = c[3 + i];

@@ -6,6 +6,7 @@
 
 #include "controller/model/proximity.h"
 #include "controller/model/upright.h"
+#include "controller/plan/counted_draws.h"
 #include "controller/plan/edge.h"
 #include "controller/safe/goal_clearance.h"
 
@@ -83,6 +84,8 @@ class FreeSpace {
   const WholeConfiguration& lower() const noexcept { return keeps_.low; }  ///< joint limits with their margins
   const WholeConfiguration& upper() const noexcept { return keeps_.high; }
 
+  /// Draws joints up to `range` from those of `c`, in units of a joint's part, within their ranges.
+  void vary_joints(double range, CountedDraws& draws, WholeConfiguration& c) const noexcept;
   /// Moves joints that wind by whole turns into their range.
   void unwind(WholeConfiguration& c) const noexcept;
 

@@ -15,7 +15,7 @@ struct DirectWayParams {
   int stay = 3;
   int nearer_tries = 20;
   double nearest = 0.3;
-  int pass_tries = 60, pass_ways = 4;
+  int pass_tries = 500, pass_ends = 2;
   double pass_linear = 0.8, pass_angular = 2.2;
   double pass_reach = 0.4;
 };
@@ -32,7 +32,7 @@ constexpr void describe(auto& v, Of<DirectWayParams>) {
   v.member("nearest", &T::nearest, in_range({0.0, 0.9}, "1", "share of the way to the best end at which they begin"));
   v.member("pass_tries", &T::pass_tries,
            in_range({0.0, 1e4}, "", "tries of a way to a goal that is passed; 0: none is passed in motion"));
-  v.member("pass_ways", &T::pass_ways, in_range({0.0, 1e4}, "", "the best of these, from which a way on is searched"));
+  v.member("pass_ends", &T::pass_ends, in_range({1.0, 100.0}, "", "ways on to the next goal that each of them has"));
   v.member("pass_linear", &T::pass_linear, non_negative("m/s", "largest speed of the hand at a goal that it passes"));
   v.member("pass_angular", &T::pass_angular, non_negative("rad/s", "the same of its turning"));
   v.member("pass_reach", &T::pass_reach,
@@ -197,7 +197,7 @@ struct DecisionParams {
   double way_ahead = 0.12, way_gain = 0.05;
   double arrived = 0.005, arrived_close = 0.0005;
   double tolerance = 0.7;
-  double missed = 0.3, pass_ahead = 0.3, pass_rest = 1.5;
+  double missed = 0.3, pass_ahead = 0.2, pass_rest = 1.5;
   double progress = 0.05;
   double pushed = 0.3;
   double meet = 2.0, wait = 0.5;

@@ -134,11 +134,16 @@ TEST(SteeredDrive, APointThatIsReachedNeedsNoDrive) {
   EXPECT_EQ(path.count, 0);
 }
 
+ControllerParams few_tries(ControllerParams params) {
+  params.plan.direct_way.pass_tries = 200;
+  return params;
+}
+
 class DirectWayOf : public testing::TestWithParam<std::string> {
  protected:
   DirectWayOf()
       : model(load_model(GetParam())),
-        params(plan_params(*model)),
+        params(few_tries(plan_params(*model))),
         direct(model, params),
         velocity(WholeConfiguration::Zero(3 + model->num_joints())) {}
 
@@ -146,7 +151,7 @@ class DirectWayOf : public testing::TestWithParam<std::string> {
     direct.set_objects(scene.shapes);
     const NoAlloc guard;
     if (next)
-      direct.begin_passing({scene.start, velocity}, scene.X_WG, *next, pass, kInfinity, scene.states);
+      direct.begin_passing({scene.start, velocity}, scene.X_WG, *next, pass, pass, kInfinity, 1, scene.states);
     else
       direct.begin({scene.start, velocity}, scene.X_WG, scene.states);
     long budget = per_step;

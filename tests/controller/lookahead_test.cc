@@ -505,6 +505,31 @@ TEST_P(Ahead, PassesAGoalOnItsWayToTheNextOne) {
   }
 }
 
+// A robot that something holds back just before a goal that it would pass does not wait there for the path's clock.
+TEST_P(Ahead, ARobotThatIsHeldWhereItPassesAGoalHasMissedIt) {
+  int held = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Loop loop(model, read_params(*model, true), make_scene(model, seed, 0));
+    const PlanState& state = loop.controller.lookahead()->state();
+    loop.o.goal.stop = false;
+    loop.o.next = GoalState{make_scene(model, seed + 100, 0).X_WG};
+    const auto passes_soon = [&] { return state.path.passes() && state.brief.clock > state.path.pass - 0.12; };
+    for (int i = 0; i < 500 && !passes_soon(); ++i) loop.step();
+    ASSERT_TRUE(passes_soon()) << "seed " << seed;
+    loop.o.qdot.setZero();
+    double clock = 0.0, pass = 0.0;
+    for (int i = 0; i < 200 && !state.missed && state.path.passes(); ++i) {
+      clock = state.brief.clock;
+      pass = state.path.pass;
+      loop.controller.step(loop.o, loop.result);
+      loop.o.time += kPeriod;
+    }
+    held += state.missed && clock >= pass && clock < pass + 0.3 ? 1 : 0;
+    EXPECT_FALSE(state.path.passes()) << "seed " << seed << ": it waits at " << clock << " of " << pass << " s";
+  }
+  EXPECT_GE(held, 1) << "no clock stands after the passing";
+}
+
 // A moving goal is the policy's business; a robot in motion without a path has set out already.
 TEST_P(Ahead, SetsOutAtRestAndTowardsAGoalAtRest) {
   const Scene scene = make_scene(model, 2, 1);
