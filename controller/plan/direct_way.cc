@@ -103,7 +103,7 @@ void DirectWay::try_end() noexcept {
   if (draws_.uniform() < kAnywhere)
     seed(end);
   else
-    seed_near(last_, end);
+    seed_near_last(end);
   if (make(end) && end.time < on_.time) on_ = end;
   if (++next_ < static_cast<std::size_t>(params_.direct_way.pass_ends)) return;
   stage_ = first_time_ + on_.time < pass_time_ ? Stage::kPass : Stage::kPassing;
@@ -192,12 +192,12 @@ void DirectWay::seed(End& end) noexcept {
   head_along(limits_, start_.c, SteeredDrive::kReached, c);
 }
 
-// Draws joints and a base around `near`, whose place is pulled towards the start.
-void DirectWay::seed_near(const WholeConfiguration& near, End& end) noexcept {
+// Draws joints and a base around the end of the path so far, its place pulled towards the start.
+void DirectWay::seed_near_last(End& end) noexcept {
   const DirectWayParams& p = params_.direct_way;
   const double scale = std::pow(kLeastScale, draws_.uniform());
   WholeConfiguration& c = end.c;
-  c = near;
+  c = last_;
   space_.vary_joints(scale * p.joints, draws_, c);
   end.stays = !limits_.mobile();
   if (end.stays) return;

@@ -19,9 +19,8 @@ namespace moma {
 /// quickest free way counts. Further tries between the start and the best end then shorten it.
 ///
 /// A goal at which the hand is nearer to an object than a path's clearance has no direct way, nor has a moving start
-/// that is; the planner serves them (planner.h). The work consists of pieces (one inverse kinematics, or the checks of
-/// one way); its result does not depend on how they are spread over control steps. Only construction and set_objects()
-/// allocate.
+/// that is; the planner serves them (planner.h). The work consists of pieces (one try, or the checks of one way);
+/// its result does not depend on how they are spread over control steps. Only construction and set_objects() allocate.
 class DirectWay {
  public:
   DirectWay(std::shared_ptr<const RobotModel> model, const ControllerParams& params);
@@ -61,7 +60,7 @@ class DirectWay {
   void try_end() noexcept;
   void take_passing() noexcept;
   void seed(End& end) noexcept;
-  void seed_near(const WholeConfiguration& near, End& end) noexcept;
+  void seed_near_last(End& end) noexcept;
   bool make(End& end) noexcept;
   bool drive_to(const End& end) noexcept;
   bool take(const End& end) noexcept;

@@ -31,7 +31,7 @@ constexpr void describe(auto& v, Of<DirectWayParams>) {
   v.member("nearer_tries", &T::nearer_tries, in_range({0.0, 1e4}, "", "tries nearer to the start than the best end"));
   v.member("nearest", &T::nearest, in_range({0.0, 0.9}, "1", "share of the way to the best end at which they begin"));
   v.member("pass_tries", &T::pass_tries,
-           in_range({0.0, 1e4}, "", "tries of a way to a goal that is passed; 0: none is passed in motion"));
+           in_range({0.0, 1e4}, "", "tries of a search for a way through a goal; 0: none is passed in motion"));
   v.member("pass_ends", &T::pass_ends, in_range({1.0, 100.0}, "", "ways on to the next goal that each of them has"));
   v.member("pass_linear", &T::pass_linear, non_negative("m/s", "largest speed of the hand at a goal that it passes"));
   v.member("pass_angular", &T::pass_angular, non_negative("rad/s", "the same of its turning"));
