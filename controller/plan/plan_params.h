@@ -118,8 +118,9 @@ constexpr void describe(auto& v, Of<SearchParams>) {
   v.member("goals", &T::goals, in_range({1.0, 100.0}, "", "goal configurations kept, in units of plan.ik_enough"));
   v.member("effort", &T::effort, in_range({1.0, 1000.0}, "", "largest factor on the work after failures"));
   v.member("hard", &T::hard,
-           unless_default(in_range({1.0, 1000.0}, "",
-                                   "factor on the work from which the last tier keeps half as much on the way")));
+           unless_default(
+               in_range({1.0, 1000.0}, "",
+                        "factor on the work from which the last tier to a close goal keeps half as much on the way")));
 }
 
 /// Routes of a base (plan/route.h) and motion past the corners of a path (plan/smooth_path.h), for robots that drive.

@@ -123,7 +123,8 @@ void Planner::set_turn(bool stays) noexcept {
 }
 
 void Planner::set_tiers(int first) noexcept {
-  const double tight = params_.search.tight * params_.clearance / (effort_ >= params_.search.hard ? 2.0 : 1.0);
+  const bool halved = close_goal() && effort_ >= params_.search.hard;
+  const double tight = params_.search.tight * params_.clearance / (halved ? 2.0 : 1.0);
   const double arm = effort_ > params_.search.hard ? 0.5 * tight : tight;  // at the goal, one failed plan later
   const std::array<double, kTiers> objects{std::max(params_.roomy, params_.clearance), params_.clearance,
                                            0.5 * (1.0 + params_.search.tight) * params_.clearance, tight};

@@ -299,6 +299,27 @@ Scene before_a_gap(const std::shared_ptr<const RobotModel>& model, std::uint64_t
   return scene;
 }
 
+// Only a grasp is worth half of the last tier's distance: measured objects lie elsewhere by about as much.
+TEST(Planner, TheWayToAGoalThatIsNotCloseKeepsTheLastTiersDistance) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  const ControllerParams params = close_params(*model, 12000);
+  const double tight = params.plan.search.tight * params.plan.clearance;
+  Planner planner(model, params);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Scene scene = before_a_gap(model, seed, 0.75 * tight);
+    bool found = plan_whole(planner, scene, seed);
+    for (int failed = 0; !found && failed < 4; ++failed) {
+      planner.begin(scene.start, scene.X_WG, scene.states, seed);
+      long budget = 1L << 40;
+      planner.advance(budget);
+      found = planner.found();
+    }
+    ASSERT_FALSE(planner.close_goal()) << "seed " << seed;
+    EXPECT_TRUE(!found || planner.path().clearance >= tight)
+        << "seed " << seed << ": a path keeps " << planner.path().clearance;
+  }
+}
+
 // A way with less than the clearance keeps more than the last tier does if it can.
 TEST(Planner, BeforeTheLastTierAPathKeepsTheMean) {
   const auto model = load_model("configs/robots/frankie.yaml");
