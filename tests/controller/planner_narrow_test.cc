@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "controller/plan/planner.h"
 #include "tests/controller/plan_scenes.h"
@@ -29,6 +30,19 @@ Scene inside_a_shelf(const std::shared_ptr<const RobotModel>& model, std::uint64
   plate({0.5, 0.02, 0.36}, {0.05, 0.3, 0.0});
   plate({0.02, 0.6, 0.36}, {0.3, 0.0, 0.0});
   return scene;
+}
+
+// Plans up to `most` times until a path is found. Returns how many plans failed before; none if all did.
+std::optional<int> failures(Planner& planner, const Scene& scene, std::uint64_t seed, int most) {
+  bool found = plan_whole(planner, scene, seed);
+  int failed = 0;
+  for (; !found && failed + 1 < most; ++failed) {
+    planner.begin(scene.start, scene.X_WG, scene.states, seed);
+    long budget = 1L << 40;
+    planner.advance(budget);
+    found = planner.found();
+  }
+  return found ? std::optional(failed) : std::nullopt;
 }
 
 // Of many goal configurations, by trees that go as far as they can: before there were 3 to 19, and 5858 checks.
@@ -235,18 +249,8 @@ TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
       space.set_states(scene.states);
       if (space.least_at_goal(hand, scene.start, scene.X_WG, 0.1) < 0.001) break;
     }
-    const auto finds = [&](Planner& planner) {
-      bool any = plan_whole(planner, scene, seed);
-      for (int k = 0; !any && k < 3; ++k) {
-        planner.begin(scene.start, scene.X_WG, scene.states, seed);
-        long budget = 1L << 40;
-        planner.advance(budget);
-        any = planner.found();
-      }
-      return any;
-    };
-    EXPECT_FALSE(finds(exact)) << "seed " << seed;
-    if (!finds(near)) continue;
+    EXPECT_FALSE(failures(exact, scene, seed, 4)) << "seed " << seed;
+    if (!failures(near, scene, seed, 4)) continue;
     ++found;
     WholeConfiguration c;
     near.path().at(near.path().duration, c);
@@ -266,17 +270,10 @@ TEST(Planner, TheLastTierComesCloserAfterTwoPlansThatFailed) {
   int early = 0, late = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Scene scene = between_plates(model, seed);
-    bool found = plan_whole(planner, scene, seed);
-    int failed = 0;
-    for (; !found && failed < 5; ++failed) {
-      planner.begin(scene.start, scene.X_WG, scene.states, seed);
-      long budget = 1L << 40;
-      planner.advance(budget);
-      found = planner.found();
-    }
-    if (!found || planner.path().clearance == params.plan.clearance) continue;  // no way, or a tier before the last
-    EXPECT_DOUBLE_EQ(planner.path().clearance, failed < 2 ? tight : 0.5 * tight) << failed << " plans failed";
-    ++(failed < 2 ? early : late);
+    const std::optional<int> failed = failures(planner, scene, seed, 6);
+    if (!failed || planner.path().clearance == params.plan.clearance) continue;  // no way, or a tier before the last
+    EXPECT_DOUBLE_EQ(planner.path().clearance, *failed < 2 ? tight : 0.5 * tight) << *failed << " plans failed";
+    ++(*failed < 2 ? early : late);
   }
   EXPECT_GT(early, 0);
   EXPECT_GT(late, 0);
@@ -307,13 +304,7 @@ TEST(Planner, TheWayToAGoalThatIsNotCloseKeepsTheLastTiersDistance) {
   Planner planner(model, params);
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Scene scene = before_a_gap(model, seed, 0.75 * tight);
-    bool found = plan_whole(planner, scene, seed);
-    for (int failed = 0; !found && failed < 4; ++failed) {
-      planner.begin(scene.start, scene.X_WG, scene.states, seed);
-      long budget = 1L << 40;
-      planner.advance(budget);
-      found = planner.found();
-    }
+    const bool found = failures(planner, scene, seed, 5).has_value();
     ASSERT_FALSE(planner.close_goal()) << "seed " << seed;
     EXPECT_TRUE(!found || planner.path().clearance >= tight)
         << "seed " << seed << ": a path keeps " << planner.path().clearance;
