@@ -129,7 +129,7 @@ void Planner::set_tiers(int first) noexcept {
   const std::array<double, kTiers> objects{std::max(params_.roomy, params_.clearance), params_.clearance,
                                            0.5 * (1.0 + params_.search.tight) * params_.clearance, tight};
   for (int tier = first; tier < kTiers; ++tier) {
-    const bool close = tier == kTight;  // as close to the goal as `at_goal` lets rows be, whatever the hand needs
+    const bool close = tier == kTight && close_goal();  // as close as `at_goal` lets rows be, whatever the hand needs
     const double object = objects[static_cast<std::size_t>(tier)];
     space_.set_clearances({object, params_.self, params_.self}, start_, turn_, kRoom[static_cast<std::size_t>(tier)]);
     // The mean of the rows' distance and the hand's own.

@@ -47,11 +47,11 @@ struct PlanCounts {
 /// Routes and paths past corners are those of robots that drive, to goals that are not close to an object.
 ///
 /// Tiers: the plan keeps the roomy clearance first, then the smaller one, then less room to joint limits and the mean
-/// of the clearance and a share of it, then that share, with a closer approach to the goal. If the hand is nearer to an
-/// object at the goal than the clearance, the kept distance shrinks towards that in every tier (`at_goal`), and the
-/// mean is left out. The work consists of pieces (one inverse kinematics,
-/// or one edge's checks); the plan does not depend on how they are spread over control steps. No clock decides
-/// anything, and all draws come from the seed. Only construction and set_objects() allocate.
+/// of the clearance and a share of it, then that share. If the hand is nearer to an object at the goal than the
+/// clearance, the kept distance shrinks towards that in every tier (`at_goal`), and further in the last; the mean is
+/// left out. The work consists of pieces (one inverse kinematics, or one edge's checks); the plan does not depend on
+/// how they are spread over control steps. No clock decides anything, and all draws come from the seed. Only
+/// construction and set_objects() allocate.
 class Planner {
  public:
   Planner(std::shared_ptr<const RobotModel> model, const ControllerParams& params);

@@ -311,6 +311,21 @@ TEST(Planner, TheWayToAGoalThatIsNotCloseKeepsTheLastTiersDistance) {
   }
 }
 
+// Its hand comes no nearer at its end either, where nothing asks for it.
+TEST(Planner, AGoalThatIsNotCloseBringsNothingNear) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  const ControllerParams params = close_params(*model, 12000);
+  const double tight = params.plan.search.tight * params.plan.clearance;
+  Planner planner(model, params);
+  int last = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    if (!failures(planner, before_a_gap(model, seed, 1.5 * tight), seed, 2)) continue;
+    last += planner.path().clearance == tight ? 1 : 0;
+    EXPECT_FALSE(planner.path().close()) << "seed " << seed << ": kept " << planner.path().kept_at_goal;
+  }
+  EXPECT_GE(last, 3);
+}
+
 // A way with less than the clearance keeps more than the last tier does if it can.
 TEST(Planner, BeforeTheLastTierAPathKeepsTheMean) {
   const auto model = load_model("configs/robots/frankie.yaml");
