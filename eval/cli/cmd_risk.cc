@@ -30,11 +30,15 @@ run::RareEvent rare_event(const std::string& text, const std::string& command) {
   }
 }
 
-/// Adds --particles, --replicates, --moves, --levels and --split-seed, whose defaults are what `splitting` is.
+/// Adds --particles, --draws, --replicates, --moves, --levels and --split-seed, whose defaults are what `splitting` is.
 void add_splitting(CLI::App& command, risk::SplittingOptions& splitting) {
   command
       .add_option("--particles", splitting.particles, fmt::format("Worlds of a replicate ({})", splitting.particles))
       ->check(CLI::Range(10, 1000000));
+  command
+      .add_option("--draws", splitting.draws,
+                  fmt::format("Worlds drawn first for each particle; the nearest are kept ({})", splitting.draws))
+      ->check(CLI::Range(1, 1000));
   command
       .add_option("--replicates", splitting.replicates,
                   fmt::format("Independent replicates, whose spread gives the interval ({})", splitting.replicates))

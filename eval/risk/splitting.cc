@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <functional>
 #include <iterator>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 
@@ -45,59 +47,80 @@ class Splitter {
       : options_(options), particles_(particles), first_(first * options.particles) {}
 
   Splitting run() {
-    const std::size_t n = options_.particles;
+    const std::size_t n = options_.particles, drawn = options_.draws * n;
     result_.particles = n;
     result_.replicates.resize(options_.replicates);
     result_.kinds.resize(particles_.kinds());
     runs_.resize(options_.replicates);
+    scores_ = result_.first = particles_.draw(first_ * options_.draws, drawn * runs_.size());
+    result_.evaluations = scores_.size();
+    ++round_;
     for (std::size_t r = 0; r < runs_.size(); ++r) {
       runs_[r].first = r * n;
       runs_[r].scales.assign(particles_.kinds(), 1.0);
-      for (std::size_t i = 0; i < n; ++i) runs_[r].ancestor.push_back(i);
+      std::vector<double> sorted = sorted_scores(r * drawn, drawn);
+      keep_highest(runs_[r], r * drawn, drawn);
+      select(runs_[r], result_.replicates[r], std::move(sorted));
     }
-    scores_ = result_.first = particles_.draw(first_, n * runs_.size());
-    result_.evaluations = scores_.size();
-    for (bool active = true; active;) {
-      active = false;
-      ++round_;
-      for (std::size_t r = 0; r < runs_.size(); ++r) {
-        if (!runs_[r].done) select(runs_[r], result_.replicates[r]);
-        active = active || !runs_[r].done;
-      }
+    scores_.resize(n * runs_.size());
+    while (true) {
       std::vector<double> levels;
       for (const Run& run : runs_)
         if (!run.done) levels.push_back(run.level);
-      if (active) particles_.reached(levels);
-      for (int move = 0; active && move < options_.moves; ++move) move_copies();
+      if (levels.empty()) break;
+      particles_.reached(levels);
+      for (int move = 0; move < options_.moves; ++move) move_copies();
+      ++round_;
+      for (std::size_t r = 0; r < runs_.size(); ++r)
+        if (!runs_[r].done) select(runs_[r], result_.replicates[r], sorted_scores(runs_[r].first, n));
     }
     result_.last = scores_;
     return std::move(result_);
   }
 
  private:
+  std::vector<double> sorted_scores(std::size_t from, std::size_t count) const {
+    const auto begin = scores_.begin() + static_cast<std::ptrdiff_t>(from);
+    std::vector<double> sorted(begin, begin + static_cast<std::ptrdiff_t>(count));
+    std::ranges::sort(sorted);
+    return sorted;
+  }
+
+  /// Moves the highest of the first draws to the places of the run's particles. All later levels lie at their lowest or
+  /// above it, so that the other draws would not survive any.
+  void keep_highest(Run& run, std::size_t from, std::size_t count) {
+    run.ancestor.resize(count);
+    std::iota(run.ancestor.begin(), run.ancestor.end(), std::size_t{0});
+    std::ranges::stable_sort(run.ancestor, std::greater(), [&](std::size_t i) { return scores_[from + i]; });
+    run.ancestor.resize(options_.particles);
+    std::ranges::sort(run.ancestor);
+    for (std::size_t i = 0; i < run.ancestor.size(); ++i) copy(from + run.ancestor[i], run.first + i);
+  }
+
+  void copy(std::size_t from, std::size_t to) {
+    particles_.copy(from, to);
+    scores_[to] = scores_[from];
+  }
+
   void end(Run& run, Replicate& replicate) {
-    const std::size_t n = options_.particles;
     run.done = true;
     run.copies.clear();
-    replicate.hits =
-        static_cast<std::size_t>(std::count(scores_.begin() + static_cast<std::ptrdiff_t>(run.first),
-                                            scores_.begin() + static_cast<std::ptrdiff_t>(run.first + n), kEvent));
+    const std::vector<double>& scores = replicate.generations.back().scores;
+    replicate.hits = static_cast<std::size_t>(std::ranges::count(scores, kEvent));
     replicate.ancestors = std::set<std::size_t>(run.ancestor.begin(), run.ancestor.end()).size();
-    const double share = static_cast<double>(replicate.hits) / static_cast<double>(n);
     if (replicate.cut || replicate.died_out || replicate.hits == 0) return;
     replicate.estimate = replicate.beyond(std::numeric_limits<double>::max());
-    replicate.variance += (1.0 - share) / (share * static_cast<double>(n));
+    const auto hits = static_cast<double>(replicate.hits), all = static_cast<double>(scores.size());
+    replicate.variance += (all - hits) / (hits * all);
   }
 
   /// Ends the replicate if half of its particles are events; otherwise kills up to the next level and replaces the
-  /// killed by copies.
-  void select(Run& run, Replicate& replicate) {
+  /// killed by copies. `scores`: sorted, of all that the particles are the highest of.
+  void select(Run& run, Replicate& replicate, std::vector<double> scores) {
     const std::size_t n = options_.particles;
-    std::vector<double> sorted(scores_.begin() + static_cast<std::ptrdiff_t>(run.first),
-                               scores_.begin() + static_cast<std::ptrdiff_t>(run.first + n));
-    std::ranges::sort(sorted);
-    const double level = sorted[n / 2 - 1];
-    replicate.scores.push_back(std::move(sorted));
+    const double level = scores[scores.size() - n + n / 2 - 1];
+    const auto all = static_cast<double>(scores.size());
+    replicate.generations.push_back({std::move(scores), level});
     if (level == kEvent) return end(run, replicate);
     std::vector<std::size_t> alive;
     run.copies.clear();
@@ -108,12 +131,11 @@ class Splitter {
     if (replicate.died_out || replicate.cut) return end(run, replicate);
     ++replicate.levels;
     run.level = level;
-    const auto k = static_cast<double>(alive.size()), all = static_cast<double>(n);
+    const auto k = static_cast<double>(alive.size());
     replicate.variance += (all - k) / (k * all);
     for (const std::size_t place : run.copies) {
       const std::size_t parent = alive[below(random(place)[0], alive.size())];
-      particles_.copy(parent, place);
-      scores_[place] = scores_[parent];
+      copy(parent, place);
       run.ancestor[place - run.first] = run.ancestor[parent - run.first];
     }
   }
@@ -160,7 +182,7 @@ class Splitter {
 
   const SplittingOptions& options_;
   Particles& particles_;
-  std::size_t first_;  ///< number of the particle in place 0
+  std::size_t first_;  ///< number of the particle in place 0 after the first draws
   std::vector<Run> runs_;
   std::vector<double> scores_;
   std::vector<Proposal> proposals_;
@@ -172,10 +194,10 @@ class Splitter {
 
 double Replicate::beyond(double score) const {
   double p = 1.0;
-  for (const std::vector<double>& sorted : scores) {
-    const double level = sorted[sorted.size() / 2 - 1];
-    const bool last = &sorted == &scores.back() || score < level;
-    const auto above = sorted.end() - std::upper_bound(sorted.begin(), sorted.end(), last ? score : level);
+  for (const Generation& generation : generations) {
+    const std::vector<double>& sorted = generation.scores;
+    const bool last = &generation == &generations.back() || score < generation.level;
+    const auto above = sorted.end() - std::ranges::upper_bound(sorted, last ? score : generation.level);
     p *= static_cast<double>(above) / static_cast<double>(sorted.size());
     if (last) break;
   }
@@ -196,14 +218,15 @@ void Splitting::append(Splitting more) {
 }
 
 Splitting split(const SplittingOptions& options, Particles& particles, std::size_t first) {
-  if (options.particles < 2 || options.replicates < 1 || options.moves < 1 || options.levels < 0)
-    throw std::invalid_argument("split: needs 2 particles, a replicate and a move at least");
+  if (options.particles < 2 || options.draws < 1 || options.replicates < 1 || options.moves < 1 || options.levels < 0)
+    throw std::invalid_argument("split: needs 2 particles, a draw, a replicate and a move at least");
   return Splitter(options, particles, first).run();
 }
 
 double expected_evaluations(const SplittingOptions& options, double p) {
-  const double levels = std::max(0.0, std::floor(-std::log2(p)));
-  return static_cast<double>(options.particles * options.replicates) * (1.0 + 0.5 * levels * options.moves);
+  const auto draws = static_cast<double>(options.draws);
+  const double levels = std::max(0.0, std::floor(-std::log2(draws * p)));
+  return static_cast<double>(options.particles * options.replicates) * (draws + 0.5 * levels * options.moves);
 }
 
 namespace {
@@ -250,7 +273,7 @@ Estimate estimate(std::span<const Stratum> strata) {
   if (out.p > 0.0) {
     out.ideal = std::sqrt(ideal) / out.p;
   } else {
-    const double n = static_cast<double>(strata.front().run->particles) * m;
+    const auto n = static_cast<double>(strata.front().run->first.size());
     const double most = std::log(2.0 / 0.05) / n;  // -log of the probability that n draws may have missed
     out.interval = {0.0, std::min(1.0, strata.size() == 1 ? -std::expm1(-most) : heaviest * most)};
   }
@@ -261,8 +284,8 @@ std::vector<Exceedance> exceedances(std::span<const Stratum> strata, std::size_t
   std::set<double> levels;
   for (const Stratum& stratum : strata)
     for (const Replicate& replicate : stratum.run->replicates)
-      for (const std::vector<double>& sorted : replicate.scores)
-        if (const double level = sorted[sorted.size() / 2 - 1]; std::isfinite(level)) levels.insert(level);
+      for (const Generation& generation : replicate.generations)
+        if (std::isfinite(generation.level)) levels.insert(generation.level);
   const std::vector<double> all(levels.begin(), levels.end());
   std::vector<Exceedance> out;
   for (std::size_t k = 0, count = std::min(most, all.size()); k < count; ++k) {

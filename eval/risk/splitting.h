@@ -10,7 +10,9 @@
 
 // Probabilities of rare events by adaptive multilevel splitting. Particles drawn from their distribution are sorted by
 // a score. The lower half is killed, copies of the others replace it and move above the level, until the event is
-// common among the particles. This part knows no robot, trial or store.
+// common among the particles. The particles are the highest of many more first draws: these cost no more than the
+// levels that they spare, and what is left after so many levels descends from few draws. This part knows no robot,
+// trial or store.
 namespace moma::risk {
 
 /// Score of the event. All other scores are lower; they increase with nearness.
@@ -18,6 +20,7 @@ inline constexpr double kEvent = std::numeric_limits<double>::infinity();
 
 struct SplittingOptions {
   std::size_t particles = 250;  ///< N, particles per replicate; at least 2
+  std::size_t draws = 8;        ///< D, first draws for each particle, of which the highest are kept; at least 1
   std::size_t replicates = 10;  ///< R, independent replicates; at least 2 for an interval
   int moves = 5;                ///< T, moves of each copy
   int levels = 40;              ///< largest number; a replicate that needs more counts as 0 and is reported as cut
@@ -39,6 +42,7 @@ class Particles {
   /// Number of kinds of moves; at least 1.
   virtual std::size_t kinds() const = 0;
   /// Draws the particles `first` .. `first` + `count` - 1 into places 0 .. count - 1, and returns their scores.
+  /// Called once, for all first draws; the particles keep the first N R places.
   virtual std::vector<double> draw(std::size_t first, std::size_t count) = 0;
   /// Returns the score of each proposal's moved particle.
   virtual std::vector<double> propose(std::span<const Proposal> proposals) = 0;
@@ -48,16 +52,22 @@ class Particles {
   virtual void reached(std::span<const double> /*levels*/) {}
 };
 
+/// The scores among which a level is set.
+struct Generation {
+  std::vector<double> scores;  ///< sorted; of the first one D N, of others N
+  double level = 0.0;          ///< it kills this score and those below
+};
+
 struct Replicate {
   double estimate = 0.0;  ///< unbiased
-  double variance = 0.0;  ///< least relative variance for these levels: sum (N - K) / (K N)
+  double variance = 0.0;  ///< least relative variance for these levels: sum (M - K) / (K M)
   int levels = 0;
-  std::size_t hits = 0;                     ///< final particles that are events
-  std::size_t ancestors = 0;                ///< number of first draws that the final particles descend from
-  std::size_t tied = 0;                     ///< most particles that died at a level because they equalled it
-  bool died_out = false;                    ///< no particle lay above a level
-  bool cut = false;                         ///< exceeded SplittingOptions::levels
-  std::vector<std::vector<double>> scores;  ///< of each generation, sorted
+  std::size_t hits = 0;       ///< events of the last generation
+  std::size_t ancestors = 0;  ///< number of first draws that the final particles descend from
+  std::size_t tied = 0;       ///< most particles that died at a level because they equalled it
+  bool died_out = false;      ///< no particle lay above a level
+  bool cut = false;           ///< exceeded SplittingOptions::levels
+  std::vector<Generation> generations;
 
   /// Unbiased estimate of the probability that a score exceeds `score`.
   double beyond(double score) const;
@@ -80,13 +90,14 @@ struct Splitting {
 };
 
 /// Runs the replicates `first` .. `first` + R - 1 at once, so that a round of moves is one call of propose(). Each
-/// level kills every particle whose score is at most the N/2-th lowest. With K survivors of a level,
-///   p = prod(K / N) * hits / N
+/// level kills every particle whose score is at most the N/2-th lowest. With K survivors of a generation of M, which is
+/// D N for the first draws and N later,
+///   p = prod(K / M) * hits / M
 /// is unbiased for any ties. A replicate is a pure function of options, particles and its number. Sources: Cerou &
 /// Guyader, Stoch. Anal. Appl. 25, 2007; Brehier et al., Ann. Appl. Probab. 26, 2016.
 Splitting split(const SplittingOptions& options, Particles& particles, std::size_t first = 0);
 
-/// Number of scores of the ideal algorithm for an event of probability p: R N (1 + log2(1 / p) T / 2).
+/// Number of scores of the ideal algorithm for an event of probability p: R N (D + log2(1 / (D p)) T / 2).
 double expected_evaluations(const SplittingOptions& options, double p);
 
 /// A part of the population that was split by itself, and its share of the whole.

@@ -33,8 +33,8 @@ struct Breaker {
     TrialParticles particles(at, point, family, event, trials, listener);
     look_nearby(particles.unmoved(0, request.crude));
     risk::split(request.splitting, particles);
-    for (std::size_t i = 0; i < particles.rows().size(); ++i)
-      look(particles.worlds()[i], particles.rows()[i], "splitting");
+    for (std::size_t i = 0; i < request.splitting.particles * request.splitting.replicates; ++i)
+      look(particles.worlds()[i], particles.rows()[i], particles.worlds()[i].moves ? "splitting" : "crude");
     tell("splitting");
   }
 

@@ -16,7 +16,8 @@ struct BreakRequest : Request {
   std::uint64_t crude = 1000;  ///< crude trials of each family
   double nearest = 0.01;       ///< share of the nearest trials, which are repeated with other noise
   int noises = 40;             ///< number of other noises
-  risk::SplittingOptions splitting{.particles = 50, .replicates = 4, .levels = 16};
+  /// Its first draws are the crude trials, as far as there are so many.
+  risk::SplittingOptions splitting{.particles = 50, .draws = 5, .replicates = 4, .levels = 16};
 };
 
 /// One kind of failure: a robot shape that touches an object of a world, however often it occurred.

@@ -123,6 +123,7 @@ TEST_F(Rare, MovedWorldsKeepTheirLawAndFrozenTheyAreTheSame) {
 
 TEST_F(Rare, RiskAgreesWithCrudeTrials) {
   RiskRequest request = this->request(40, 8);
+  request.splitting.draws = 2;
   request.crude = 1000;
   const Risk risk = estimate_risk(request, suite(), RareEvent::read("clearance_min_m<0.025"));
   ASSERT_EQ(risk.rows.size(), 1u);
