@@ -54,6 +54,8 @@ constexpr void describe(auto& v, Of<PlanState>) {
   v.member("known", &T::known, in_range({0, 1e9}, "", "objects that were seen in the step before"));
   v.member("former", &T::former, unless_default({.text = "whether the path leads to the goal before"}));
   v.member("missed", &T::missed, unless_default({.text = "whether the goal was passed and not reached"}));
+  v.member("beside", &T::beside, unless_default(in_range({0, 1e9}, "", "steps beside the goal")));
+  v.member("left", &T::left, unless_default({.text = "whether a path's last part was left to the policy"}));
 }
 
 namespace {

@@ -98,7 +98,8 @@ std::string meaning(PlanReason reason) {
                                         "it did not get on along its path",
                                         "something is in the way of the path",
                                         "something moves",
-                                        "a direct way to the goal is free"};
+                                        "a direct way to the goal is free",
+                                        "it stands beside the goal"};
   static_assert(kMeanings.size() == words(Of<PlanReason>{}).size());
   return kMeanings.at(static_cast<std::size_t>(reason));
 }

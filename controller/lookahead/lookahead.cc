@@ -168,14 +168,15 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   choice_.set_goal_axes(R_WG);
   if (keeps_upright_) choice_.keep_upright(o.upright);
   const RolloutLimits limits = prediction_limits(params_, escape_, params_.horizon);
-  arrived_ = error.tail<3>().norm() < limits.position && error.head<3>().norm() < limits.orientation;
+  const double off = std::max(error.tail<3>().norm() / limits.position, error.head<3>().norm() / limits.orientation);
+  arrived_ = off < 1.0;
   const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing;
   if (state_.has_goal && jumped(params_.decisions, state_.X_WG, o.goal.X_WG)) {
     Following* on_path = doing<Following>();
     Path& path = state_.path;
     const PlanarShift shift = shift_of_goal(mobile_ && is_whole(o.goal), path.X_WG, state_.X_WG);
     const bool onward = on_path && path.passes() && !jumped(params_.decisions, path.X_WN, shift.back(o.goal.X_WG));
-    state_.missed = false;
+    state_.missed = state_.left = false;
     if (onward || (on_path && !stands && params_.direct > 0 && !path.close())) {
       state_.former = !onward;  // it stays on the path until a way on is known
       path.X_WG = shift.back(o.goal.X_WG);
@@ -206,6 +207,13 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
     go_direct(PlanReason::kTraffic, Detours::kCleared);
   if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !goal_moves && !arrived_)
     begin(SettingOut{}, brief.reason);
+  // Where the goal is measured better than before, a path's end lies beside it, or the policy's rows hold the hand off.
+  const bool beside = arrived_ && off > params_.decisions.beside && stands && !goal_moves;
+  state_.beside = beside && (doing<GoingDirect>() || doing<Following>()) ? state_.beside + 1 : 0;
+  if (state_.beside > periods(params_.stuck)) {
+    state_.beside = 0;
+    stop(PlanReason::kBesideGoal, -1.0);
+  }
   if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
     if (now->chosen)
       begin_path(brief.reason == PlanReason::kDirectWay ? brief.reason : PlanReason::kQuicker);
@@ -338,7 +346,9 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   if (may_go_on && !stuck() && work_onward(o, budget)) return;
   if (job_ == Job::kNone && !due && !stuck()) return;
   if (job_ != Job::kPredict && !path.close() && !stuck() && work_way(o, rest, budget)) return;
-  if (tight && !stuck()) {
+  // A policy that was predicted to arrive with so little of a path left, and did not, is not believed twice.
+  const bool last = rest < params_.decisions.last_part;
+  if ((tight || (last && state_.left)) && !stuck()) {
     state_.next = state_.steps + periods(params_.period);
     news_ = false;
     return;
@@ -346,10 +356,12 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   const double arrival = rest + params_.settle;
   if (!predict(o, EscapeState{}, std::min(params_.horizon, arrival), budget)) return;
   state_.next = state_.steps + periods(params_.period);
-  if (rollout_.end() == RolloutEnd::kArrives && rollout_.time() <= arrival)
+  if (rollout_.end() == RolloutEnd::kArrives && rollout_.time() <= arrival) {
+    state_.left = state_.left || last;
     go_direct(PlanReason::kArrives, Detours::kCleared);
-  else if (stuck())
+  } else if (stuck()) {
     stop(PlanReason::kNoProgress, -1.0);
+  }
 }
 
 // Sets the state in which a choice takes effect to where the path has the robot after `ahead` of its clock.

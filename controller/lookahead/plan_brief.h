@@ -33,11 +33,12 @@ enum class PlanReason {
   kPathBroken,  ///< an object is in the path's way
   kTraffic,     ///< the goal or something near moves
   kDirectWay,   ///< a direct way to the goal is free
+  kBesideGoal,  ///< it stands within the goal's tolerances, but the motion does not end
 };
 
 constexpr auto words(Of<PlanReason>) {
   return std::to_array<std::string_view>({"start", "arrives", "quicker", "fails", "stagnates", "no_path", "path_ends",
-                                          "no_progress", "path_broken", "traffic", "direct_way"});
+                                          "no_progress", "path_broken", "traffic", "direct_way", "beside_goal"});
 }
 
 /// Kinds of candidates of a choice.

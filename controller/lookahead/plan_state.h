@@ -62,6 +62,8 @@ struct PlanState {
   Path path;                             ///< without motions if there is none
   bool former = false;                   ///< the path leads to the goal before, and the next way is not known yet
   bool missed = false;                   ///< the goal was passed and not reached: it is stopped at
+  int beside = 0;                        ///< steps for which it has stood within the tolerances, though not at the goal
+  bool left = false;                     ///< the last part of a path to this goal was left to the policy
 };
 
 }  // namespace moma

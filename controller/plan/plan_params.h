@@ -197,7 +197,7 @@ struct DecisionParams {
   double soon = 0.3;
   double way_ahead = 0.12, way_gain = 0.05;
   double arrived = 0.005, arrived_close = 0.0005;
-  double tolerance = 0.7;
+  double tolerance = 0.7, beside = 0.25, last_part = 1.0;
   double missed = 0.3, pass_ahead = 0.2, pass_rest = 1.5;
   double progress = 0.05;
   double pushed = 0.3;
@@ -226,6 +226,11 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("arrived_close", &T::arrived_close, non_negative("m", "the same where the goal is close to an object"));
   v.member("tolerance", &T::tolerance,
            in_range({0.0, 1.0, true}, "1", "share of the goal's tolerances within which a prediction arrives"));
+  v.member("last_part", &T::last_part,
+           unless_default(non_negative("s", "rest of a path that is left once to a policy predicted to arrive")));
+  v.member("beside", &T::beside,
+           unless_default(in_range({0.0, 1.0}, "1",
+                                   "share of that beyond which a robot that stands for plan.stuck chooses again")));
   v.member("pass_ahead", &T::pass_ahead,
            non_negative("s", "a way through a goal begins where the path has the robot after this time"));
   v.member("missed", &T::missed,

@@ -530,6 +530,61 @@ TEST_P(Ahead, ARobotThatIsHeldWhereItPassesAGoalHasMissedIt) {
   EXPECT_GE(held, 1) << "no clock stands after the passing";
 }
 
+// On the way the goal is measured better than before: it lies beside the path's end, by less than what counts as there.
+TEST_P(Ahead, ClosesInOnTheGoalWhereHoldingAPathsEndDoesNotDo) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Loop loop(model, read_params(*model, true), make_scene(model, seed, 0));
+    const PlanState& state = loop.controller.lookahead()->state();
+    loop.step();
+    for (int i = 0; i < 100 && !(state.brief.mode == PlanMode::kFollow && state.brief.clock > 0.4); ++i) loop.step();
+    ASSERT_EQ(state.brief.reason, PlanReason::kDirectWay) << "seed " << seed;
+    loop.o.goal.X_WG.translation().z() += 0.008;
+    for (int i = 0; i < 400; ++i) loop.step();
+    EXPECT_LT(loop.result.error.tail<3>().norm(), 0.001)
+        << "seed " << seed << ", in mode " << to_string(state.brief.mode) << " since " << to_string(state.brief.reason)
+        << ", " << state.beside << " steps beside the goal";
+  }
+}
+
+// The policy takes over where it is predicted to arrive; in the last part of paths to one goal once.
+TEST_P(Ahead, LeavesTheLastPartOfAPathOnce) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  const Scene scene = behind_a_wall(model, 1);
+  ControllerParams params = read_params(*model, true);
+  params.plan.direct = 0;
+  params.plan.decisions.last_part = 100.0;
+  Loop loop(model, params, scene);
+  const PlanState& state = loop.controller.lookahead()->state();
+  const auto policy_arrives = [&] {
+    return state.brief.mode == PlanMode::kDirect && state.brief.reason == PlanReason::kArrives;
+  };
+  ControllerMemory memory;
+  Observation o;
+  for (int i = 0; i < 1000 && !policy_arrives(); ++i) {
+    if (state.brief.mode == PlanMode::kFollow) {
+      loop.controller.get_memory(memory);
+      o = loop.o;
+    }
+    loop.step();
+  }
+  ASSERT_TRUE(policy_arrives());
+  EXPECT_TRUE(state.left);
+
+  // From the last step on the path, had it been left before.
+  ASSERT_EQ(memory.plan.brief.mode, PlanMode::kFollow);
+  memory.plan.left = true;
+  loop.controller.set_memory(memory);
+  loop.o = o;
+  for (int i = 0; i < 1000 && !loop.there(); ++i) {
+    loop.step();
+    ASSERT_FALSE(policy_arrives()) << "at " << state.brief.clock << " of " << state.brief.duration << " s";
+  }
+  EXPECT_TRUE(loop.there());
+  loop.o.goal.X_WG.translation().x() += 0.3;
+  loop.step();
+  EXPECT_FALSE(state.left) << "another goal";
+}
+
 // A moving goal is the policy's business; a robot in motion without a path has set out already.
 TEST_P(Ahead, SetsOutAtRestAndTowardsAGoalAtRest) {
   const Scene scene = make_scene(model, 2, 1);
