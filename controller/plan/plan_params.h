@@ -226,11 +226,11 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("arrived_close", &T::arrived_close, non_negative("m", "the same where the goal is close to an object"));
   v.member("tolerance", &T::tolerance,
            in_range({0.0, 1.0, true}, "1", "share of the goal's tolerances within which a prediction arrives"));
-  v.member("last_part", &T::last_part,
-           unless_default(non_negative("s", "rest of a path that is left once to a policy predicted to arrive")));
   v.member("beside", &T::beside,
            unless_default(in_range({0.0, 1.0}, "1",
                                    "share of that beyond which a robot that stands for plan.stuck chooses again")));
+  v.member("last_part", &T::last_part,
+           unless_default(non_negative("s", "rest of a path that is left once to a policy predicted to arrive")));
   v.member("pass_ahead", &T::pass_ahead,
            non_negative("s", "a way through a goal begins where the path has the robot after this time"));
   v.member("missed", &T::missed,
