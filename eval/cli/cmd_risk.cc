@@ -46,8 +46,9 @@ void add_splitting(CLI::App& command, risk::SplittingOptions& splitting) {
   command.add_option("--moves", splitting.moves, fmt::format("Moves of each copy ({})", splitting.moves))
       ->check(CLI::Range(1, 1000));
   command
-      .add_option("--levels", splitting.levels,
-                  fmt::format("Largest number of levels, each of which halves the probability ({})", splitting.levels))
+      .add_option(
+          "--levels", splitting.levels,
+          fmt::format("Largest number of levels; each after the first halves the probability ({})", splitting.levels))
       ->check(CLI::Range(1, 1000));
   command.add_option("--split-seed", splitting.seed, "Seed of choices and moves (1)");
 }
@@ -194,7 +195,7 @@ void add_risk(Commands& commands) {
       ->check(CLI::Range(2, 1000000))
       ->needs("--until");
   command.add_option("--crude", options.request.crude,
-                     "Crude trials of each family to compare with; the first worlds of the particles always count (as "
+                     "Crude trials of each family to compare with; the first draws always count (as "
                      "many as splitting took)");
   add_moved_trials_store(command, options.request.file);
   add_threads(command, options.request.threads);

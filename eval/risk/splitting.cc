@@ -105,12 +105,11 @@ class Splitter {
   void end(Run& run, Replicate& replicate) {
     run.done = true;
     run.copies.clear();
-    const std::vector<double>& scores = replicate.generations.back().scores;
-    replicate.hits = static_cast<std::size_t>(std::ranges::count(scores, kEvent));
     replicate.ancestors = std::set<std::size_t>(run.ancestor.begin(), run.ancestor.end()).size();
-    if (replicate.cut || replicate.died_out || replicate.hits == 0) return;
+    const std::vector<double>& scores = replicate.generations.back().scores;
+    const auto hits = static_cast<double>(std::ranges::count(scores, kEvent)), all = static_cast<double>(scores.size());
+    if (replicate.cut || replicate.died_out || hits == 0.0) return;
     replicate.estimate = replicate.beyond(std::numeric_limits<double>::max());
-    const auto hits = static_cast<double>(replicate.hits), all = static_cast<double>(scores.size());
     replicate.variance += (all - hits) / (hits * all);
   }
 

@@ -62,7 +62,6 @@ struct Replicate {
   double estimate = 0.0;  ///< unbiased
   double variance = 0.0;  ///< least relative variance for these levels: sum (M - K) / (K M)
   int levels = 0;
-  std::size_t hits = 0;       ///< events of the last generation
   std::size_t ancestors = 0;  ///< number of first draws that the final particles descend from
   std::size_t tied = 0;       ///< most particles that died at a level because they equalled it
   bool died_out = false;      ///< no particle lay above a level
