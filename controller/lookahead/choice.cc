@@ -41,7 +41,7 @@ Choice::Choice(std::shared_ptr<const RobotModel> model, const ControllerParams& 
     : model_(model),
       settle_(params.plan.settle),
       standing_(params.plan.decisions.standing),
-      close_plans_(params.plan.decisions.close_plans),
+      most_plans_(params.plan.decisions.plans),
       depth_(params.map.unseen.around),
       direct_way_(model, params),
       planner_(model, params),
@@ -105,7 +105,9 @@ void Choice::begin_way(const Observation& from) noexcept {
 
 void Choice::begin_way() noexcept {
   on_way_ = true;
-  direct_way_.begin(motion_of(from_), from_.goal.X_WG, from_.objects);
+  const MotionState motion = motion_of(from_);
+  stands_ = motion.v.isZero(0.0);
+  direct_way_.begin(motion, from_.goal.X_WG, from_.objects);
   stopping_ = comes_to_rest(*model_, planner_.limits(), from_, rest(), stand_);
 }
 
@@ -155,7 +157,8 @@ bool Choice::advance(long& budget) noexcept {
       continue;
     }
     if (planner_.advance(budget)) break;
-    if (!planner_.found() && planner_.close_goal() && plans_ < close_plans_) {
+    const bool again = planner_.close_goal() || (stands_ && verdict_.policy < 0.0);
+    if (!planner_.found() && again && plans_ < most_plans_) {
       begin_plan();
       continue;
     }

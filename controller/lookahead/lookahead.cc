@@ -208,7 +208,8 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !goal_moves && !arrived_)
     begin(SettingOut{}, brief.reason);
   // Where the goal is measured better than before, a path's end lies beside it, or the policy's rows hold the hand off.
-  const bool beside = arrived_ && off > params_.decisions.beside && stands && !goal_moves;
+  const bool ended = arrived_ || (doing<Following>() && brief.clock >= state_.path.duration);
+  const bool beside = ended && off > params_.decisions.beside && stands && !goal_moves;
   state_.beside = beside && (doing<GoingDirect>() || doing<Following>()) ? state_.beside + 1 : 0;
   if (state_.beside > periods(params_.stuck)) {
     state_.beside = 0;

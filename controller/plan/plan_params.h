@@ -107,8 +107,9 @@ constexpr void describe(auto& v, Of<SearchParams>) {
   v.member("back", &T::back, in_range({0.0, 1.0, true}, "1", "share of a blocked step's free part that a tree goes"));
   v.member("tight", &T::tight, in_range(kShare, "1", "share of the clearance in the last tier"));
   v.member("closer", &T::closer, positive("1", "least clearance at a close goal, in units of collision.at_goal.least"));
-  v.member("off_goal", &T::off_goal,
-           in_range(kShare, "1", "share of the goal's tolerances by which a close goal is missed if nothing holds it"));
+  v.member(
+      "off_goal", &T::off_goal,
+      in_range(kShare, "1", "share of the goal's tolerances by which a goal that no configuration reaches is missed"));
   v.member("same", &T::same, positive("m", "motion of an object up to which a plan keeps what the last one found"));
   v.member("same_turn", &T::same_turn, positive("rad", "the same of its orientation"));
   v.member("same_goal", &T::same_goal, positive("m", "the same of the goal"));
@@ -203,7 +204,7 @@ struct DecisionParams {
   double pushed = 0.3;
   double meet = 2.0, wait = 0.5;
   double goal_jump = 0.02, goal_turn = 0.05;
-  int close_plans = 4;
+  int plans = 4;
   double moved = 0.008, turned = 0.03;
   double least = 0.015, less = 0.005, share = 0.5;
   double watch_step = 0.08;
@@ -244,8 +245,8 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("wait", &T::wait, non_negative("s", "time before a meeting at which the path's clock stands"));
   v.member("goal_jump", &T::goal_jump, positive("m", "motion of the goal between steps that makes it a new goal"));
   v.member("goal_turn", &T::goal_turn, positive("rad", "the same of its orientation"));
-  v.member("close_plans", &T::close_plans,
-           in_range({1.0, 100.0}, "", "plans of one choice to a goal close to an object"));
+  v.member("plans", &T::plans,
+           in_range({1.0, 100.0}, "", "plans of one choice to a goal close to an object, or where nothing arrives"));
   v.member("moved", &T::moved, positive("m", "motion of an object at rest after which a path is checked again"));
   v.member("turned", &T::turned, positive("rad", "the same of its orientation"));
   v.member("least", &T::least, non_negative("m", "largest distance that is asked of a path when it is checked again"));

@@ -223,8 +223,8 @@ void Planner::work() noexcept {
 }
 
 // Tries for a goal close to an object alternate with the last tier, in case all its configurations are near joint
-// limits. If a plan found none, measured objects may lie where the hand would be, or a joint would be beyond its limit:
-// then poses count from which the trial succeeds all the same.
+// limits. If a plan found none, measured objects may lie where the hand would be, or the goal is measured beyond the
+// arm's reach: then poses count from which the trial succeeds all the same.
 void Planner::try_goal() noexcept {
   if (usable_goals() + late_ >= params_.ik_enough || tries_ >= effort_ * params_.ik_tries) return begin_search();
   const int aim = close_goal() && tries_ % 2 == 1 ? last_tier() : tier_;
@@ -232,7 +232,7 @@ void Planner::try_goal() noexcept {
   space_.keep(tiers_[static_cast<std::size_t>(aim)]);
   ++counts_.ik_tries;
   GoalConfiguration goal;
-  const bool off = params_.search.off_goal > 0.0 && close_goal() && aim == last_tier() && goals_.empty() && effort_ > 1;
+  const bool off = params_.search.off_goal > 0.0 && aim == last_tier() && goals_.empty() && effort_ > 1;
   const bool drawn = free_.any() && tries_ % 2 == 1;
   const Isometry X_WG = off ? near_goal() : drawn ? allowed_pose() : X_WG_;
   const bool hard = close_goal() && params_.ik.hard * static_cast<int>(goals_.size()) < tries_;
@@ -408,10 +408,10 @@ int Planner::last_tier() const noexcept { return at_goal_.enabled && !(within_ <
 // A goal close to an object has no narrow tier: what it needs is less at the goal alone.
 int Planner::after(int tier) const noexcept { return tier + (tier + 1 == kNarrow && close_goal() ? 2 : 1); }
 
-// False if this is the last tier.
+// False if this is the last tier. A start near an object lets the first two tiers keep the same.
 bool Planner::next_tier() noexcept {
   int next = after(tier_);
-  if (next == kClear && params_.roomy <= params_.clearance) next = after(next);
+  if (next == kClear && tiers_[kRoomy].follows_from(tiers_[kClear])) next = after(next);
   if (next > last_tier()) return false;
   goes_on_ = false;
   if (!close_goal()) tries_ = 0;

@@ -3,84 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/config/controller_file.h"
-#include "controller/config/node.h"
 #include "controller/lookahead/choice.h"
-#include "tests/controller/plan_scenes.h"
-#include "tests/support/control_period.h"
+#include "tests/controller/lookahead_loop.h"
 #include "tests/support/no_alloc.h"
 
 namespace moma::test {
 namespace {
-
-ControllerParams read_params(const RobotModel& model, bool plan) {
-  std::vector<std::string> warnings;
-  const config::Node file = config::load_yaml(source_path("configs/controllers/moma-reactive.yaml"));
-  ControllerParams params = config::read_controller(file, "controller", model, kPeriod, warnings);
-  params.plan.enabled = plan;
-  return params;
-}
-
-// A robot whose base ramps and that otherwise does what it is told.
-class Loop {
- public:
-  Loop(std::shared_ptr<const RobotModel> model, const ControllerParams& params, const Scene& scene)
-      : controller(model, params, kPeriod), model_(std::move(model)), kinematics_(model_), scene_(scene) {
-    controller.reset(scene.shapes);
-    controller.prepare(result);
-    o.base = scene.start.head<3>();
-    o.q = scene.start.tail(model_->num_joints());
-    o.qdot = VectorX::Zero(model_->num_velocities());
-    o.goal.X_WG = scene.X_WG;
-    o.objects = scene.states;
-  }
-  void step() {
-    controller.step(o, result);
-    VectorX v = result.command;
-    for (int i = 0; i < model_->base_dof(); ++i) {
-      const double most = kPeriod * model_->base.max_acceleration[i + 1 == model_->base_dof() ? 1 : 0];
-      v[i] = std::clamp(v[i], o.qdot[i] - most, o.qdot[i] + most);
-    }
-    integrate(*model_, o.base, o.q, v, kPeriod);
-    o.qdot = v;
-    o.time += kPeriod;
-  }
-  bool there() {
-    kinematics_.update(o.base, o.q);
-    const Isometry& X = kinematics_.X_WE();
-    return (X.translation() - scene_.X_WG.translation()).norm() < 0.02 &&
-           log_so3(X.linear() * scene_.X_WG.linear().transpose()).norm() < 0.05;
-  }
-  double clearance() {
-    kinematics_.update(o.base, o.q);
-    return object_clearance(*model_, kinematics_, scene_);
-  }
-  /// Time until it is there, negative where that takes more than `most`; `least` is its least clearance on the way.
-  double run(double most, double& least) {
-    least = 1e9;
-    while (o.time < most) {
-      if (there()) return o.time;
-      step();
-      least = std::min(least, clearance());
-    }
-    return -1.0;
-  }
-
-  ControllerCore controller;
-  Observation o;
-  StepResult result;
-
- private:
-  std::shared_ptr<const RobotModel> model_;
-  Kinematics kinematics_;
-  Scene scene_;
-};
-
-class Ahead : public testing::TestWithParam<std::string> {
- protected:
-  Ahead() : model(load_model(GetParam())) {}
-  std::shared_ptr<const RobotModel> model;
-};
 
 INSTANTIATE_TEST_SUITE_P(Robots, Ahead,
                          testing::Values("configs/robots/frankie.yaml", "configs/robots/frankie_omni.yaml",
@@ -266,6 +194,29 @@ TEST_P(Ahead, AChoiceDoesNotDependOnTheBudget) {
   EXPECT_LT(quick.by_path, 0.0);
 }
 
+// A robot that stands where nothing arrives looks for a path with more and more work; one that arrives or drives does
+// not.
+TEST_P(Ahead, AChoiceWithoutAWayOutPlansAgain) {
+  Scene scene = make_scene(model, 1, 0);
+  scene.X_WG.translation().z() += 5.0;  // out of reach
+  ControllerParams params = read_params(*model, true);
+  Choice choice(model, params);
+  Observation o = Loop(model, params, scene).o;
+  const auto work = [&](double direct_time) {
+    choice.reset(scene.shapes);
+    choice.begin(o, direct_time, 1);
+    constexpr long kPlenty = 1L << 40;
+    long budget = kPlenty;
+    EXPECT_FALSE(choice.advance(budget));
+    EXPECT_EQ(choice.verdict().kind, PlanKind::kPolicy);
+    return kPlenty - budget;
+  };
+  const long again = work(-1.0), once = work(100.0);
+  EXPECT_GT(again, 2 * once);
+  o.qdot[0] = 0.3;
+  EXPECT_LT(work(-1.0), 1.5 * once);
+}
+
 // Ways lead around space that no sensor has seen; where it is all round, they lead through it.
 TEST_P(Ahead, LeadsAroundWhatNobodyHasSeen) {
   if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
@@ -422,167 +373,6 @@ TEST_P(Ahead, SetsOutAlongADirectWay) {
     without += Loop(model, params, scene).run(20.0, least);
   }
   EXPECT_LT(with, 0.97 * without);
-}
-
-// A goal that jumps while the robot follows a path is gone on to from the velocity that it has.
-TEST_P(Ahead, GoesOnToTheNextGoalWithoutComingToRest) {
-  int gone_on = 0;
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    const Scene scene = make_scene(model, seed, 0);
-    Loop loop(model, read_params(*model, true), scene);
-    const PlanState& state = loop.controller.lookahead()->state();
-    loop.step();
-    for (int i = 0; i < 100 && !(state.brief.mode == PlanMode::kFollow && state.brief.clock > 0.4); ++i) loop.step();
-    ASSERT_EQ(state.brief.reason, PlanReason::kDirectWay) << "seed " << seed;
-    loop.o.goal.X_WG.translation() += Vector3(0.05, 0.05, -0.08);
-    loop.step();
-    EXPECT_EQ(state.brief.mode, PlanMode::kFollow) << "seed " << seed;
-    double slowest = kInfinity;
-    int steps = 0;
-    for (; state.former && steps < 20; ++steps) {
-      loop.step();
-      slowest = std::min(slowest, loop.o.qdot.lpNorm<Eigen::Infinity>());
-    }
-    EXPECT_LE(steps, 7) << "seed " << seed;
-    if (state.brief.mode != PlanMode::kFollow) continue;
-    ++gone_on;
-    EXPECT_EQ(state.brief.reason, PlanReason::kDirectWay) << "seed " << seed;
-    EXPECT_LT(state.brief.lag, 0.05) << "it begins where the robot is";
-    EXPECT_GT(slowest, 0.1) << "seed " << seed;
-  }
-  EXPECT_GE(gone_on, 3);
-}
-
-// A goal that need not be stopped at is passed on the way to the next one, which is told; one that is missed is gone
-// back to and stopped at.
-TEST_P(Ahead, PassesAGoalOnItsWayToTheNextOne) {
-  double fastest = 0.0;  // of the base at a goal
-  int gone_on = 0, misses = 0;
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    const Scene scene = make_scene(model, seed, 0);
-    const GoalState next{make_scene(model, seed + 100, 0).X_WG};
-    const auto run = [&](bool missed) {
-      Loop loop(model, read_params(*model, true), scene);
-      const PlanState& state = loop.controller.lookahead()->state();
-      loop.o.goal.stop = false;
-      loop.o.next = next;
-      double rest = -1.0, at = -1.0;
-      bool was_missed = false;
-      for (int i = 0; i < 1500; ++i) {
-        loop.step();
-        was_missed = was_missed || state.missed;
-        const Vector6& e = loop.result.error;
-        const bool near = e.tail<3>().norm() < 0.02 && e.head<3>().norm() < 0.05;
-        if (!near || loop.o.time < 0.1) continue;
-        if (at >= 0.0) {
-          rest = loop.o.time;
-          break;
-        }
-        if (missed && !was_missed) continue;
-        at = loop.o.time;
-        if (!missed && model->mobile()) fastest = std::max(fastest, std::abs(loop.o.qdot[0]));
-        loop.o.goal = next;
-        loop.o.next.reset();
-        if (!missed) {
-          const Path before = state.path;
-          loop.step();
-          gone_on += before.passes() && state.brief.mode == PlanMode::kFollow && !state.former ? 1 : 0;
-        }
-      }
-      if (missed) {
-        EXPECT_TRUE(was_missed) << "seed " << seed;
-      }
-      misses += !missed && was_missed ? 1 : 0;
-      EXPECT_GT(rest, 0.0) << "seed " << seed;
-    };
-    run(false);
-    if (seed == 1) run(true);
-  }
-  EXPECT_GE(gone_on, 3);
-  EXPECT_LE(misses, 1);
-  if (model->mobile()) {
-    EXPECT_GT(fastest, 0.25);
-  }
-}
-
-// A robot that something holds back just before a goal that it would pass does not wait there for the path's clock.
-TEST_P(Ahead, ARobotThatIsHeldWhereItPassesAGoalHasMissedIt) {
-  int held = 0;
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    Loop loop(model, read_params(*model, true), make_scene(model, seed, 0));
-    const PlanState& state = loop.controller.lookahead()->state();
-    loop.o.goal.stop = false;
-    loop.o.next = GoalState{make_scene(model, seed + 100, 0).X_WG};
-    const auto passes_soon = [&] { return state.path.passes() && state.brief.clock > state.path.pass - 0.12; };
-    for (int i = 0; i < 500 && !passes_soon(); ++i) loop.step();
-    ASSERT_TRUE(passes_soon()) << "seed " << seed;
-    loop.o.qdot.setZero();
-    double clock = 0.0, pass = 0.0;
-    for (int i = 0; i < 200 && !state.missed && state.path.passes(); ++i) {
-      clock = state.brief.clock;
-      pass = state.path.pass;
-      loop.controller.step(loop.o, loop.result);
-      loop.o.time += kPeriod;
-    }
-    held += state.missed && clock >= pass && clock < pass + 0.3 ? 1 : 0;
-    EXPECT_FALSE(state.path.passes()) << "seed " << seed << ": it waits at " << clock << " of " << pass << " s";
-  }
-  EXPECT_GE(held, 1) << "no clock stands after the passing";
-}
-
-// On the way the goal is measured better than before: it lies beside the path's end, by less than what counts as there.
-TEST_P(Ahead, ClosesInOnTheGoalWhereHoldingAPathsEndDoesNotDo) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    Loop loop(model, read_params(*model, true), make_scene(model, seed, 0));
-    const PlanState& state = loop.controller.lookahead()->state();
-    loop.step();
-    for (int i = 0; i < 100 && !(state.brief.mode == PlanMode::kFollow && state.brief.clock > 0.4); ++i) loop.step();
-    ASSERT_EQ(state.brief.reason, PlanReason::kDirectWay) << "seed " << seed;
-    loop.o.goal.X_WG.translation().z() += 0.008;
-    for (int i = 0; i < 400; ++i) loop.step();
-    EXPECT_LT(loop.result.error.tail<3>().norm(), 0.001)
-        << "seed " << seed << ", in mode " << to_string(state.brief.mode) << " since " << to_string(state.brief.reason)
-        << ", " << state.beside << " steps beside the goal";
-  }
-}
-
-// The policy takes over where it is predicted to arrive; in the last part of paths to one goal once.
-TEST_P(Ahead, LeavesTheLastPartOfAPathOnce) {
-  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
-  const Scene scene = behind_a_wall(model, 1);
-  ControllerParams params = read_params(*model, true);
-  params.plan.direct = 0;
-  params.plan.decisions.last_part = 100.0;
-  Loop loop(model, params, scene);
-  const PlanState& state = loop.controller.lookahead()->state();
-  const auto policy_arrives = [&] {
-    return state.brief.mode == PlanMode::kDirect && state.brief.reason == PlanReason::kArrives;
-  };
-  ControllerMemory memory;
-  Observation o;
-  for (int i = 0; i < 1000 && !policy_arrives(); ++i) {
-    if (state.brief.mode == PlanMode::kFollow) {
-      loop.controller.get_memory(memory);
-      o = loop.o;
-    }
-    loop.step();
-  }
-  ASSERT_TRUE(policy_arrives());
-  EXPECT_TRUE(state.left);
-
-  // From the last step on the path, had it been left before.
-  ASSERT_EQ(memory.plan.brief.mode, PlanMode::kFollow);
-  memory.plan.left = true;
-  loop.controller.set_memory(memory);
-  loop.o = o;
-  for (int i = 0; i < 1000 && !loop.there(); ++i) {
-    loop.step();
-    ASSERT_FALSE(policy_arrives()) << "at " << state.brief.clock << " of " << state.brief.duration << " s";
-  }
-  EXPECT_TRUE(loop.there());
-  loop.o.goal.X_WG.translation().x() += 0.3;
-  loop.step();
-  EXPECT_FALSE(state.left) << "another goal";
 }
 
 // A moving goal is the policy's business; a robot in motion without a path has set out already.

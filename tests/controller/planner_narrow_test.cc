@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "controller/plan/planner.h"
@@ -259,6 +260,57 @@ TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
     EXPECT_GT(object_clearance(*model, kinematics, scene), 0.0015);
   }
   EXPECT_GE(found, 4);
+}
+
+// Raises a goal above the robot by millimetres, until `planner` finds nothing that reaches it.
+Scene just_out_of_reach(const std::shared_ptr<const RobotModel>& model, Planner& planner) {
+  Scene scene = make_scene(model, 1, 0);
+  Kinematics stretched(model);
+  VectorX q = VectorX::Zero(model->num_joints());
+  q[3] = model->joint(3).upper;
+  q[5] = std::numbers::pi;  // the hand points upwards
+  stretched.update(Vector3(1.0, 0.5, 0.0), q);
+  scene.X_WG = stretched.X_WE();
+  while (failures(planner, scene, 1, 4)) scene.X_WG.translation().z() += 0.002;
+  return scene;
+}
+
+TEST(Planner, AGoalThatIsMeasuredOutOfReachIsMissedWithinItsTolerances) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  ControllerParams params = close_params(*model, 20000);
+  params.escape.position = 0.02;
+  params.escape.orientation = 0.05;
+  Planner exact(model, params);
+  const Scene scene = just_out_of_reach(model, exact);
+  params.plan.search.off_goal = 0.4;
+  Planner near(model, params);
+  ASSERT_TRUE(failures(near, scene, 1, 4));
+  EXPECT_FALSE(near.close_goal());
+  WholeConfiguration c;
+  near.path().at(near.path().duration, c);
+  Kinematics kinematics(model);
+  kinematics.update(c.head<3>(), c.tail(model->num_joints()));
+  EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 0.4 * 0.02 + 1e-3);
+}
+
+// From a start near an object, the first two tiers keep the same: they are one.
+TEST(Planner, NoTierIsSearchedTwice) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  const ControllerParams params = close_params(*model, 2000);
+  Planner planner(model, params);
+  Scene scene = make_scene(model, 1, 0);
+  scene.X_WG.translation().z() += 5.0;  // out of reach
+  scene.shapes = {{"wall", make_box(0.2, 2.0, 1.0)}};
+  scene.states.resize(1);
+  Kinematics start(model);
+  start.update(scene.start.head<3>(), scene.start.tail(model->num_joints()));
+  for (const double away : {0.03, 0.2}) {
+    ObjectState& wall = scene.states.front();
+    wall.X_WO.translation() = scene.start.head<3>() + Vector3(-1.0, 0.0, 0.5);
+    wall.X_WO.translation().x() += object_clearance(*model, start, scene) - away;
+    ASSERT_FALSE(plan_whole(planner, scene, 1));
+    EXPECT_EQ(planner.counts().ik_tries, (away < params.plan.clearance ? 3 : 4) * params.plan.ik_tries) << away << " m";
+  }
 }
 
 // Distance on the way is given up late: after two plans that failed, the last tier keeps half of its share.
