@@ -56,6 +56,7 @@ constexpr void describe(auto& v, Of<PlanState>) {
   v.member("missed", &T::missed, unless_default({.text = "whether the goal was passed and not reached"}));
   v.member("beside", &T::beside, unless_default(in_range({0, 1e9}, "", "steps beside the goal")));
   v.member("left", &T::left, unless_default({.text = "whether a path's last part was left to the policy"}));
+  v.member("held", &T::held, unless_default({.text = "whether something held the robot off a path's end"}));
 }
 
 namespace {

@@ -135,10 +135,11 @@ void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
   job_ = Job::kChoose;
 }
 
-// Begins to look for a direct way from that state, which would be quicker than the policy.
+// Begins to look for a direct way from that state, which would be quicker than the policy. Once something has held the
+// robot off the end of a path, it is not looked for.
 void Lookahead::look_for_way(double direct_time) noexcept {
   begin(GoingDirect{}, PlanReason::kArrives);
-  if (params_.direct == 0 || !goes_on_safely()) return;
+  if (params_.direct == 0 || state_.held || !goes_on_safely()) return;
   direct_time -= later_time_;
   begin(GoingOn{predicted_from_ + periods(later_time_), direct_time, false}, PlanReason::kArrives);
   choice_.begin(later_, direct_time, state_.brief.attempts, false);
@@ -176,7 +177,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
     Path& path = state_.path;
     const PlanarShift shift = shift_of_goal(mobile_ && is_whole(o.goal), path.X_WG, state_.X_WG);
     const bool onward = on_path && path.passes() && !jumped(params_.decisions, path.X_WN, shift.back(o.goal.X_WG));
-    state_.missed = state_.left = false;
+    state_.missed = state_.left = state_.held = false;
     if (onward || (on_path && !stands && params_.direct > 0 && !path.close())) {
       state_.former = !onward;  // it stays on the path until a way on is known
       path.X_WG = shift.back(o.goal.X_WG);
@@ -332,6 +333,7 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
       return;
     }
     if (at_end()) {
+      state_.held = state_.held || stuck();
       go_direct(PlanReason::kPathEnds, Detours::kCleared);
       return;
     }
@@ -454,7 +456,7 @@ void Lookahead::end_direct_prediction() noexcept {
   if (time < params_.decisions.soon) return;
   if (!arrives)
     go_on(PlanReason::kFails, -1.0);
-  else if (first)
+  else if (first && !state_.held)
     go_on(PlanReason::kStart, time);
   else
     look_for_way(time);

@@ -64,6 +64,7 @@ struct PlanState {
   bool missed = false;                   ///< the goal was passed and not reached: it is stopped at
   int beside = 0;                        ///< steps for which it has stood within the tolerances, though not at the goal
   bool left = false;                     ///< the last part of a path to this goal was left to the policy
+  bool held = false;                     ///< something held the robot off the end of a path to this goal
 };
 
 }  // namespace moma

@@ -156,6 +156,34 @@ TEST_P(AheadOfGoals, ClosesInOnTheGoalFromTheEdgeOfWhatCountsAsThere) {
   }
 }
 
+// Then the policy takes it there, which is predicted to arrive, though a direct way would be quicker.
+TEST_P(AheadOfGoals, WhatHoldsTheRobotOffTheEndOfAPathDoesSoOnce) {
+  int held = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Loop loop(model, read_params(*model, true), make_scene(model, seed, 0));
+    const PlanState& state = loop.controller.lookahead()->state();
+    const auto ends_soon = [&] {
+      return state.brief.mode == PlanMode::kFollow && state.brief.clock > state.path.duration - 0.3;
+    };
+    for (int i = 0; i < 500 && !ends_soon(); ++i) loop.step();
+    ASSERT_TRUE(ends_soon()) << "seed " << seed;
+    loop.o.qdot.setZero();
+    for (int i = 0; i < 150 && state.brief.mode == PlanMode::kFollow; ++i) {
+      loop.controller.step(loop.o, loop.result);
+      loop.o.time += kPeriod;
+    }
+    if (!state.held) continue;
+    ++held;
+    loop.o.q[1] += 0.3;  // far enough for a choice
+    for (int i = 0; i < 500 && !loop.there(); ++i) {
+      loop.step();
+      ASSERT_EQ(state.brief.mode, PlanMode::kDirect) << "seed " << seed << ": " << to_string(state.brief.reason);
+    }
+    EXPECT_TRUE(loop.there()) << "seed " << seed;
+  }
+  EXPECT_GE(held, 1) << "no robot is held at an end";
+}
+
 // The policy takes over where it is predicted to arrive; in the last part of paths to one goal once.
 TEST_P(AheadOfGoals, LeavesTheLastPartOfAPathOnce) {
   if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
