@@ -105,9 +105,7 @@ void Choice::begin_way(const Observation& from) noexcept {
 
 void Choice::begin_way() noexcept {
   on_way_ = true;
-  const MotionState motion = motion_of(from_);
-  stands_ = motion.v.isZero(0.0);
-  direct_way_.begin(motion, from_.goal.X_WG, from_.objects);
+  direct_way_.begin(motion_of(from_), from_.goal.X_WG, from_.objects);
   stopping_ = comes_to_rest(*model_, planner_.limits(), from_, rest(), stand_);
 }
 
@@ -157,7 +155,7 @@ bool Choice::advance(long& budget) noexcept {
       continue;
     }
     if (planner_.advance(budget)) break;
-    const bool again = planner_.close_goal() || (stands_ && verdict_.policy < 0.0);
+    const bool again = planner_.close_goal() || (verdict_.policy < 0.0 && motion_of(from_).v.isZero(0.0));
     if (!planner_.found() && again && plans_ < most_plans_) {
       begin_plan();
       continue;

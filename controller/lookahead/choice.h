@@ -72,7 +72,7 @@ class Choice {
   std::shared_ptr<const RobotModel> model_;
   double settle_;    // time from a path's end to the goal [s]
   double standing_;  // velocities below which the robot stands
-  int most_plans_;   // of one choice, each with more work, for a goal close to an object or where nothing else arrives
+  int most_plans_;   // of one choice, each with more work: for close goals, or where a robot stands and nothing arrives
   double depth_;     // up to which ways may enter space that no sensor has seen [m]; 0: they go through it
   DirectWay direct_way_;
   Planner planner_;
@@ -82,7 +82,6 @@ class Choice {
   Observation from_;     // space that no sensor has seen is smaller by `depth_`
   bool around_ = false;  // ways lead around that
   Matrix3 R_WG_ = Matrix3::Identity();
-  bool stands_ = false;       // the robot stands at `from_`
   WholeConfiguration stand_;  // configuration in which the robot comes to rest
   double stopping_ = 0.0;     // time until then [s]
   std::uint64_t seed_ = 0;

@@ -135,11 +135,10 @@ void Lookahead::go_on(PlanReason reason, double direct_time) noexcept {
   job_ = Job::kChoose;
 }
 
-// Begins to look for a direct way from that state, which would be quicker than the policy. Once something has held the
-// robot off the end of a path, it is not looked for.
+// Begins to look for a direct way from that state, which would be quicker than the policy.
 void Lookahead::look_for_way(double direct_time) noexcept {
   begin(GoingDirect{}, PlanReason::kArrives);
-  if (params_.direct == 0 || state_.held || !goes_on_safely()) return;
+  if (params_.direct == 0 || !goes_on_safely()) return;
   direct_time -= later_time_;
   begin(GoingOn{predicted_from_ + periods(later_time_), direct_time, false}, PlanReason::kArrives);
   choice_.begin(later_, direct_time, state_.brief.attempts, false);
@@ -456,7 +455,9 @@ void Lookahead::end_direct_prediction() noexcept {
   if (time < params_.decisions.soon) return;
   if (!arrives)
     go_on(PlanReason::kFails, -1.0);
-  else if (first && !state_.held)
+  else if (state_.held)  // the end of a path would hold it again
+    begin(GoingDirect{}, PlanReason::kArrives);
+  else if (first)
     go_on(PlanReason::kStart, time);
   else
     look_for_way(time);

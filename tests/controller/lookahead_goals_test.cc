@@ -1,4 +1,4 @@
-// What the look-ahead does about goals that jump, are passed, missed, or lie beside the end of a path.
+// The look-ahead copes with goals that jump, are passed or missed, or lie beside the end of a path.
 #include <gtest/gtest.h>
 
 #include "tests/controller/lookahead_loop.h"
@@ -8,9 +8,7 @@ namespace {
 
 class AheadOfGoals : public Ahead {};
 
-INSTANTIATE_TEST_SUITE_P(Robots, AheadOfGoals,
-                         testing::Values("configs/robots/frankie.yaml", "configs/robots/frankie_omni.yaml",
-                                         "configs/robots/panda.yaml"),
+INSTANTIATE_TEST_SUITE_P(Robots, AheadOfGoals, testing::ValuesIn(lookahead_robots()),
                          [](const auto& param) { return test_name(param.param); });
 
 // A goal that jumps while the robot follows a path is gone on to from the velocity that it has.
@@ -135,7 +133,7 @@ TEST_P(AheadOfGoals, ClosesInOnTheGoalWhereHoldingAPathsEndDoesNotDo) {
   }
 }
 
-// Its hand is measured now within what counts as there and now outside, and its base cannot move across.
+// A robot whose hand is measured now within what counts as there and now outside, and whose base cannot move across.
 TEST_P(AheadOfGoals, ClosesInOnTheGoalFromTheEdgeOfWhatCountsAsThere) {
   const ControllerParams params = read_params(*model, true);
   const double edge = params.plan.decisions.tolerance * params.escape.position;
@@ -156,7 +154,7 @@ TEST_P(AheadOfGoals, ClosesInOnTheGoalFromTheEdgeOfWhatCountsAsThere) {
   }
 }
 
-// Then the policy takes it there, which is predicted to arrive, though a direct way would be quicker.
+// Where the policy is predicted to arrive from there, it takes the robot to the goal, though a direct way is quicker.
 TEST_P(AheadOfGoals, WhatHoldsTheRobotOffTheEndOfAPathDoesSoOnce) {
   int held = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {

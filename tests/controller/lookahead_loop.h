@@ -75,6 +75,10 @@ class Loop {
   Scene scene_;
 };
 
+inline std::vector<std::string> lookahead_robots() {
+  return {"configs/robots/frankie.yaml", "configs/robots/frankie_omni.yaml", "configs/robots/panda.yaml"};
+}
+
 class Ahead : public testing::TestWithParam<std::string> {
  protected:
   Ahead() : model(load_model(GetParam())) {}

@@ -10,9 +10,7 @@
 namespace moma::test {
 namespace {
 
-INSTANTIATE_TEST_SUITE_P(Robots, Ahead,
-                         testing::Values("configs/robots/frankie.yaml", "configs/robots/frankie_omni.yaml",
-                                         "configs/robots/panda.yaml"),
+INSTANTIATE_TEST_SUITE_P(Robots, Ahead, testing::ValuesIn(lookahead_robots()),
                          [](const auto& param) { return test_name(param.param); });
 
 TEST_P(Ahead, ARolloutIsWhatTheRobotDoes) {

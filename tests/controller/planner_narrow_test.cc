@@ -225,6 +225,14 @@ TEST(Planner, CornersKeepAwayFromWhatBlocksATree) {
   EXPECT_LT(short_of, all_the_way) << short_of << " corners against " << all_the_way;
 }
 
+// Returns the hand's distance from the goal at the end of the path, whose configuration `kinematics` takes.
+double miss(const Planner& planner, const Scene& scene, Kinematics& kinematics) {
+  WholeConfiguration c;
+  planner.path().at(planner.path().duration, c);
+  kinematics.update(c.head<3>(), c.tail(c.size() - 3));
+  return (kinematics.X_WE().translation() - scene.X_WG.translation()).norm();
+}
+
 // An object is measured where the hand would be, so that nothing holds the goal itself.
 TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
   const auto model = load_model("configs/robots/panda.yaml");
@@ -253,10 +261,7 @@ TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
     EXPECT_FALSE(failures(exact, scene, seed, 4)) << "seed " << seed;
     if (!failures(near, scene, seed, 4)) continue;
     ++found;
-    WholeConfiguration c;
-    near.path().at(near.path().duration, c);
-    kinematics.update(c.head<3>(), c.tail(model->num_joints()));
-    EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 0.4 * 0.01 + 1e-3);
+    EXPECT_LT(miss(near, scene, kinematics), 0.4 * 0.01 + 1e-3);
     EXPECT_GT(object_clearance(*model, kinematics, scene), 0.0015);
   }
   EXPECT_GE(found, 4);
@@ -286,11 +291,8 @@ TEST(Planner, AGoalThatIsMeasuredOutOfReachIsMissedWithinItsTolerances) {
   Planner near(model, params);
   ASSERT_TRUE(failures(near, scene, 1, 4));
   EXPECT_FALSE(near.close_goal());
-  WholeConfiguration c;
-  near.path().at(near.path().duration, c);
   Kinematics kinematics(model);
-  kinematics.update(c.head<3>(), c.tail(model->num_joints()));
-  EXPECT_LT((kinematics.X_WE().translation() - scene.X_WG.translation()).norm(), 0.4 * 0.02 + 1e-3);
+  EXPECT_LT(miss(near, scene, kinematics), 0.4 * 0.02 + 1e-3);
 }
 
 // From a start near an object, the first two tiers keep the same: they are one.
