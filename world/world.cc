@@ -34,9 +34,15 @@ std::vector<ObjectShape> object_shapes(const World& world) {
   return shapes;
 }
 
-void object_states(const World& world, double t, std::vector<ObjectState>& states) {
+MovingPose place(const WorldObject& object, const Pace& pace, double t) {
+  MovingPose out = evaluate(object.motion, object.X_WO, pace.time(t));
+  out.V_W *= pace.rate;
+  return out;
+}
+
+void object_states(const World& world, double t, std::vector<ObjectState>& states, std::span<const Pace> paces) {
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    const MovingPose pose = evaluate(world.objects[i].motion, world.objects[i].X_WO, t);
+    const MovingPose pose = place(world.objects[i], paces.empty() ? Pace{} : paces[i], t);
     states[i].X_WO = pose.X;
     states[i].V_WO_W = pose.V_W;
   }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,20 @@ struct Configuration {
   VectorX q;
 };
 
+/// Manners of an object that gives way to the robot, as people do (yielding.h).
+struct Yields {
+  double distance =
+      0.0;  ///< parts of the robot that are nearer and ahead of it make it wait; 0: it does not give way [m]
+  double patience = 3.0;  ///< time that it waits before it turns round [s]
+};
+
+constexpr void describe(auto& v, Of<Yields>) {
+  v.member(
+      "distance", &Yields::distance,
+      non_negative("m", "parts of the robot that are nearer and ahead of it make it wait; 0: it does not give way"));
+  v.member("patience", &Yields::patience, non_negative("s", "time that it waits before it turns round"));
+}
+
 struct WorldObject {
   std::string name;  ///< unique within the world
   Shape shape;
@@ -26,6 +41,16 @@ struct WorldObject {
   Motion motion;
   Eigen::Quaterniond file_rotation = Eigen::Quaterniond::Identity();  ///< see set_pose()
   int noise = -1;  ///< number of the draws of its sensing errors; -1: its place among the objects
+  Yields yields = {};
+};
+
+/// The time of an object's own motion: `at` at time `since`, from where on it runs at `rate`.
+struct Pace {
+  double since = 0.0;  ///< [s]
+  double at = 0.0;     ///< [s]
+  double rate = 1.0;   ///< 1; 0: the object waits; -1: it goes back
+
+  double time(double t) const noexcept { return at + rate * (t - since); }
 };
 
 struct WorldGoal {
@@ -79,8 +104,11 @@ void set_pose(WorldGoal& goal, const Vector3& position, const Eigen::Quaterniond
 
 std::vector<ObjectShape> object_shapes(const World& world);
 
-/// Computes true poses and twists at time t into vectors already sized to world.objects.
-void object_states(const World& world, double t, std::vector<ObjectState>& states);
+/// True pose and twist of an object at time t.
+MovingPose place(const WorldObject& object, const Pace& pace, double t);
+/// Computes true poses and twists at time t into vectors already sized to world.objects. `paces`: one for each object,
+/// or none where no object gives way.
+void object_states(const World& world, double t, std::vector<ObjectState>& states, std::span<const Pace> paces = {});
 /// Goal number `index`, from 0: world.goal, then world.further.
 inline const WorldGoal& goal_of(const World& world, std::size_t index) {
   return index == 0 ? world.goal : world.further[index - 1];

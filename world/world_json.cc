@@ -203,6 +203,7 @@ void read_value(const Node& node, const std::string& key, WorldObject& object, c
       "computed");
   read_placed(in, object, &WorldObject::X_WO, "velocity", false);
   in.read("noise", object.noise, 0, (1 << 24) - 1);
+  if (const Node* yields = in.get("yields")) config::read_described(*yields, in.key_of("yields"), object.yields);
   in.finish();
 }
 
@@ -232,6 +233,7 @@ Json write_value(const WorldObject& object, const About&) {
   config::write_shape(object.shape, json);
   write_placed(json, object, object.X_WO, "velocity");
   if (object.noise >= 0) json["noise"] = object.noise;
+  if (object.yields.distance > 0.0) config::write_members(object.yields, json["yields"]);
   return json;
 }
 

@@ -31,6 +31,7 @@ constexpr std::size_t kLongestColumns = std::size_t{1} << 20;  // bytes of JSON
 struct Sizes {
   Eigen::Index q = 0;
   Eigen::Index v = 0;
+  Eigen::Index giving_way = 0;  // objects
   bool operator==(const Sizes&) const = default;
 };
 
@@ -38,7 +39,7 @@ Sizes sizes_of(const Sample& sample) {
   if (sample.command.size() != sample.qdot.size()) {
     throw std::invalid_argument("a sample's qdot and command differ in size");
   }
-  return {sample.q.size(), sample.qdot.size()};
+  return {sample.q.size(), sample.qdot.size(), sample.object_time.size()};
 }
 
 /// Name of a column, put together only where it is wanted.
@@ -154,6 +155,7 @@ Sample sized(const Sizes& sizes) {
   Sample sample;
   sample.q = VectorX::Zero(sizes.q);
   sample.qdot = sample.command = VectorX::Zero(sizes.v);
+  sample.object_time = VectorX::Zero(sizes.giving_way);
   return sample;
 }
 
@@ -172,14 +174,18 @@ Eigen::Index count_of(const std::vector<std::string>& names, const std::string& 
   return n;
 }
 
+Sizes sizes_of(const std::vector<std::string>& names) {
+  return {count_of(names, "q"), count_of(names, "qdot"), count_of(names, "object_time")};
+}
+
 }  // namespace
 
 void add_written_columns(std::vector<std::string>& names) {
-  for (std::string& name : names_of({count_of(names, "q"), count_of(names, "qdot")}))
+  for (std::string& name : names_of(sizes_of(names)))
     if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
 }
 
-std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v) { return names_of({q, v}); }
+std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v) { return names_of({q, v, 0}); }
 std::vector<double> sample_row(Sample s) {
   std::vector<double> row;
   visit_numbers(s, [&](const ColumnName&, double& value, bool) { row.push_back(value); });
@@ -266,7 +272,7 @@ Trace decode_samples(const EncodedSamples& encoded) {
   // Samples of earlier versions lack some or all columns of the controller's memory.
   std::vector<int> places;
   std::size_t used = 0;
-  Sample sample = sized({count_of(table.names, "q"), count_of(table.names, "qdot")});
+  Sample sample = sized(sizes_of(table.names));
   visit_numbers(sample, [&](const ColumnName& column, double&, bool memory) {
     const std::string name = column.text();
     const auto found = std::ranges::find(table.names, name);

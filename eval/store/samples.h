@@ -28,7 +28,8 @@ constexpr void describe(auto& v, Of<EncodedSamples>) {
   v.member("data", &T::data, Field{});
 }
 
-/// Column names for `q` joints and `v` velocities; and one sample as numbers in this order.
+/// Column names for `q` joints and `v` velocities in worlds where no object gives way; and one sample as numbers in
+/// this order, times of objects that give way last.
 std::vector<std::string> sample_columns(Eigen::Index q, Eigen::Index v);
 /// Adds the missing names of columns that this version writes for the same robot.
 void add_written_columns(std::vector<std::string>& names);

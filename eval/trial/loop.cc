@@ -65,6 +65,7 @@ TrialLoop::TrialLoop(const TrialSpec& spec, const World& world, Plant& plant, Re
       stuck_(spec.stuck, any(spec.disturbances), period_),
       infeasible_(spec.infeasible, period_),
       separation_(spec),
+      yielding_(world, period_),
       objects_(world.objects.size()),
       told_(object_shapes(world)) {
   take_goal();
@@ -254,10 +255,15 @@ void TrialLoop::apply_answer() {
   sample.active_rows = result_.active_rows;
   sample.escape = result_.escape;
   sample.plan = result_.plan;
+  sample.object_time = yielding_.times(time(k_));
   infeasible_.count(result_.fallback);
   enter(profile_, TrialPart::kSensing);
   const VectorX& command = actuation_ ? actuation_->act(k_, result_.command) : result_.command;
   enter(profile_, TrialPart::kPlant);
+  if (yielding_.any()) {
+    yielding_.decide(time(k_), kinematics_, proximity_, objects_);
+    plant_.set_paces(yielding_.paces());
+  }
   plant_.advance(command, period_, report_);
   ++k_;
 }
@@ -291,7 +297,7 @@ void TrialLoop::compare_detectors() {
 bool TrialLoop::measure_state() {
   const PlantState& state = plant_.state();
   if (!state.base.allFinite() || !state.q.allFinite() || !state.qdot.allFinite()) return false;
-  if (objects_move_ && k_ > 0) object_states(world_, time(k_), objects_);
+  if (objects_move_ && k_ > 0) object_states(world_, time(k_), objects_, yielding_.paces());
   if (goal_moves_ && k_ > 0) goal_ = goal_state(world_, time(k_), goal_index_);
   if (next_ && k_ > 0) look_at_next();
   kinematics_.update(state.base, state.q);

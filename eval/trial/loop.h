@@ -17,6 +17,7 @@
 #include "eval/trial/spec.h"
 #include "world/sensing/actuation.h"
 #include "world/sensing/sensing.h"
+#include "world/yielding.h"
 
 namespace moma {
 
@@ -103,6 +104,7 @@ class TrialLoop {
   StuckTracker stuck_;
   InfeasibleTracker infeasible_;
   SeparationWatch separation_;
+  Yielding yielding_;
   std::optional<Sensing> sensing_;      // only if the controller does not see the true state
   std::optional<Actuation> actuation_;  // only if the plant gets another command than the controller's
   PlantReport report_;

@@ -25,8 +25,9 @@ struct Sample {
   StepStatus status = StepStatus::kSolved;
   Fallback fallback = Fallback::kNone;
   int active_rows = 0;
-  EscapeState escape;  ///< the controller's memory of detours at the start of the step
-  PlanBrief plan;      ///< mode and reason of the look-ahead at the start of the step; default without one
+  EscapeState escape;   ///< the controller's memory of detours at the start of the step
+  PlanBrief plan;       ///< mode and reason of the look-ahead at the start of the step; default without one
+  VectorX object_time;  ///< times of the motions of the objects that give way, in their order
 };
 
 struct SampleColumn {
@@ -58,6 +59,8 @@ constexpr void describe(auto& v, Of<Sample>) {
   v.member("active_rows", &S::active_rows, SampleColumn{.text = "active rows of the QP"});
   v.member("escape", &S::escape, SampleColumn{.text = "memory of detours at the start of the step"});
   v.member("plan", &S::plan, SampleColumn{.text = "mode and reason of the look-ahead at the start of the step"});
+  v.member("object_time", &S::object_time,
+           SampleColumn{.unit = "s", .text = "times of the motions of the objects that give way to the robot"});
 }
 
 using Trace = std::vector<Sample>;

@@ -78,6 +78,24 @@ TEST(MovingWorlds, VelocityIsTheDerivativeAndPositionDoesNotJump) {
   }
 }
 
+TEST(MovingWorlds, WalkersGiveWayIfAskedToAndWalkAsBefore) {
+  const auto model = robot("frankie");
+  const Worlds plain = worlds("families: {moving: {objects: 3, walk: 0.5}}");
+  const Worlds polite = worlds("families: {moving: {objects: 3, walk: 0.5, walk_yields: {distance: 0.8}}}");
+  int walkers = 0;
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    World world = polite.make(model, i);
+    for (WorldObject& object : world.objects) {
+      const bool walks = motion<PathMotion>(object) != nullptr;
+      walkers += walks;
+      EXPECT_EQ(object.yields.distance, walks ? 0.8 : 0.0);
+      object.yields = {};
+    }
+    EXPECT_EQ(to_json(world).dump(), to_json(plain.make(model, i)).dump());
+  }
+  EXPECT_GT(walkers, 10);
+}
+
 TEST(MovingWorlds, CirclesAreRoundAndBothWays) {
   const auto model = robot("frankie");
   const Worlds source = worlds("families: {moving: {objects: 3, orbit: 1, orbit_radius: {uniform: [0.6, 2]}}}");

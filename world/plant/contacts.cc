@@ -108,6 +108,7 @@ ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World&
 
   for (const SelfPair& pair : model_->self_pairs)
     if (robot_geom(pair.first) != nullptr && robot_geom(pair.second) != nullptr) self_pairs_.push_back(pair);
+  paces_.resize(world_.objects.size());
   moma::object_states(world_, 0.0, states_);
   exact_ = ExactContacts::make(*model_, world_, meets_floor_);
 }
@@ -132,7 +133,7 @@ void ContactScene::place_objects(double t) {
   const std::size_t shapes = robot_geoms_.size();
   for (const int index : moving_) {
     const auto i = static_cast<std::size_t>(index);
-    const MovingPose pose = evaluate(world_.objects[i].motion, world_.objects[i].X_WO, t);
+    const MovingPose pose = place(world_.objects[i], paces_[i], t);
     states_[i].X_WO = pose.X;
     states_[i].V_WO_W = pose.V_W;
     if (object_geoms_[i] != nullptr)

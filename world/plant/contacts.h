@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "controller/model/convex_distance.h"
@@ -80,6 +81,7 @@ class ContactScene {
 
   /// Places the robot's geoms that are not attached to bodies.
   void place_robot(const Kinematics& kinematics);
+  void set_paces(std::span<const Pace> paces) { paces_.assign(paces.begin(), paces.end()); }
   /// Moves the objects to their poses at time t.
   void place_objects(double t);
 
@@ -116,6 +118,7 @@ class ContactScene {
   std::vector<int> moving_;
   std::vector<SelfPair> self_pairs_;
   std::vector<ObjectState> states_;
+  std::vector<Pace> paces_;  // of all objects
   std::unique_ptr<ExactContacts> exact_;
   std::vector<Contact> exact_found_;
   std::unique_ptr<CrossCheck> cross_check_;  // created at first use

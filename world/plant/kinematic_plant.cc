@@ -31,6 +31,8 @@ class KinematicPlant final : public Plant {
     build();
   }
 
+  void set_paces(std::span<const Pace> paces) override { scene_->set_paces(paces); }
+
   double time() const override { return time_; }
 
   DetectorCheck cross_check() override {

@@ -67,6 +67,11 @@ class OdePlant final : public Plant {
     detected_ = watching_ = touching_ = false;
   }
 
+  void set_paces(std::span<const Pace> paces) override {
+    scene_->set_paces(paces);
+    place_objects(time_);
+  }
+
   ~OdePlant() override {
     if (!world_.abandoned()) return;
     // The world's memory is leaked, so members that point into it must not be freed, either.

@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -129,6 +130,9 @@ class Plant {
   /// Takes an object of the world into the hand, as given, or notes that it has left its support; without a value,
   /// leaves it where it is. It weighs nothing. Throws std::runtime_error if the plant carries no objects.
   virtual void carry(const std::optional<Carried>& carried);
+  /// Paces of the world's objects from now on; they stay where they are. Without a call each motion has the trial's
+  /// time.
+  virtual void set_paces(std::span<const Pace>) {}
   /// Compares the two contact detectors in the present state, without changing it.
   virtual DetectorCheck cross_check() { return {}; }
   /// Notifies `clock`, which must outlive the plant, at the parts of advance(); null by default.

@@ -134,6 +134,7 @@ bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, d
     before = at;
   }
   object.motion = std::move(path);
+  object.yields = yields;
   return true;
 }
 

@@ -15,7 +15,7 @@ enum class Walker { kPerson, kSolid };
 constexpr auto words(Of<Walker>) { return std::to_array<std::string_view>({"person", "solid"}); }
 
 /// Pedestrians: each walks at a constant speed of its own from one random waypoint straight to the next, and stops at
-/// some of them. Nobody reacts to the robot.
+/// some of them. Nobody reacts to the robot, unless `yields` says so.
 struct Walk {
   using Normal = Distribution::Normal;
   using Uniform = Distribution::Uniform;
@@ -31,6 +31,7 @@ struct Walk {
   double pause = 0.3;                        ///< [1]
   Distribution pause_time{Uniform{0.5, 4}};  ///< [s]
   double margin = 2.0;                       ///< [m]
+  Yields yields = {};
   Walker walker = Walker::kPerson;
 
   /// Draws one walker with its path (a PathMotion, knots from t = 0 to `horizon` or slightly beyond), clear of start
@@ -60,6 +61,7 @@ constexpr void describe(auto& v, Of<Walk>) {
   v.member("walk_pause_time", &T::pause_time, non_negative("s", "duration of a stop"));
   v.member("walk_margin", &T::margin,
            in_range({T::kLeastLeg, 1000.0}, "m", "largest distance of waypoints from the way"));
+  v.member("walk_yields", &T::yields, unless_default({.text = "people who wait for the robot: {distance, patience}"}));
   v.member("walker", &T::walker, {.text = "solid: the family's own solids walk instead of people"});
 }
 

@@ -16,7 +16,7 @@ import { quaternion, Robot, type ShapeJson } from './robot';
 import { carried, type Row } from './rows';
 import type { Trace } from './trace';
 
-interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson }
+interface BodyJson extends ShapeJson { name: string; quaternion?: number[]; motion?: MotionJson; yields?: unknown }
 
 interface GoalJson { position: number[]; quaternion: number[]; motion?: MotionJson; stop?: boolean; take?: string; leave?: string }
 
@@ -45,7 +45,7 @@ export interface Shown extends Moved { world: WorldJson; reached: readonly numbe
 /** An object in the hand from one time to another [s]: its pose in E, and where it is left. */
 interface Grip { from: number; to: number; inHand: Matrix4; left: Placed }
 
-interface Body { mesh: Mesh; name: string; start: Placed; motion: MotionJson | undefined; grips: Grip[] }
+interface Body { mesh: Mesh; name: string; start: Placed; motion: MotionJson | undefined; clock: string; grips: Grip[] }   // clock: column with the time of its motion; '': that of the trial
 
 const IN_SCALE = new Vector3(1, 1, 1);
 
@@ -56,9 +56,9 @@ function placed(pose: Matrix4): Placed {
 }
 
 /** Where a body is at time t, with the robot in its pose then. */
-function bodyAt({ motion, start, grips }: Body, robot: Robot, t: number): Placed {
+function bodyAt({ motion, clock, start, grips }: Body, robot: Robot, trace: Trace, t: number): Placed {
   const grip = grips.filter(({ from }) => t >= from).at(-1);
-  if (grip === undefined) return placeAt(motion, start, t);
+  if (grip === undefined) return placeAt(motion, start, clock === '' ? t : trace.at(clock, t));
   return t < grip.to ? placed(robot.tipPose(new Matrix4()).multiply(grip.inHand)) : grip.left;
 }
 
@@ -214,6 +214,7 @@ export class ReplayScene {
       const hit = look.length > 0 ? hitBody.has(robot.rigid(skin.link)) : touched(skin.link);
       return this.draw(skin, hit ? colours.hit : skin.colour ?? (skin.link === '@base' ? colours.base : colours.arm));
     }).concat(wheels(robot, look).map((wheel) => this.draw(wheel, colours.wheel)));
+    const givingWay = world.objects.filter(({ yields }) => yields !== undefined);
     this.bodies = world.objects.map((body) => {
       const moving = body.motion !== undefined && body.motion.kind !== 'static';
       const hit = shown.hit.object === body.name || shown.hit.link === `carried:${body.name}`;
@@ -222,7 +223,8 @@ export class ReplayScene {
       this.content.add(mesh);
       const [x = 0, y = 0, z = 0] = body.position ?? [];
       const start = { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) };
-      return { mesh, name: body.name, start, motion: body.motion, grips: gripsOf(body.name, start, shown) };
+      const clock = body.yields === undefined ? '' : `object_time${givingWay.indexOf(body)}`;
+      return { mesh, name: body.name, start, motion: body.motion, clock, grips: gripsOf(body.name, start, shown) };
     });
 
     this.addGhost();
@@ -267,7 +269,7 @@ export class ReplayScene {
     poseAt(robot, trace, t);
     for (const { mesh, link, local } of this.links) mesh.matrix.multiplyMatrices(robot.pose(link), local);
     for (const body of this.bodies) {
-      const now = bodyAt(body, robot, t);
+      const now = bodyAt(body, robot, trace, t);
       body.mesh.position.copy(now.position);
       body.mesh.quaternion.copy(now.turn);
     }
@@ -300,7 +302,7 @@ export class ReplayScene {
     const names = [...new Set(rows.flatMap((row) => [row.link, row.other]))];
     const placesAt = (when: number): Map<string, Matrix4> => {
       poseAt(robot, trace, when);
-      return new Map(names.map((name) => [name, this.placeOf(robot, name, when)]));
+      return new Map(names.map((name) => [name, this.placeOf(robot, trace, name, when)]));
     };
     const places = { then: placesAt(trace.t[sample] ?? 0), now: placesAt(t) };
     this.rows = carried(rows, (name, when) => places[when].get(name) ?? new Matrix4());
@@ -308,10 +310,10 @@ export class ReplayScene {
   }
 
   /** Pose of a link or of an object at time t; the floor has the world's axes. */
-  private placeOf(robot: Robot, name: string, t: number): Matrix4 {
+  private placeOf(robot: Robot, trace: Trace, name: string, t: number): Matrix4 {
     if (robot.has(name)) return robot.pose(name).clone();
     const body = this.bodies.find((one) => one.name === name);
-    const { position, turn } = body === undefined ? { position: new Vector3(), turn: quaternion([]) } : bodyAt(body, robot, t);
+    const { position, turn } = body === undefined ? { position: new Vector3(), turn: quaternion([]) } : bodyAt(body, robot, trace, t);
     return new Matrix4().compose(position, turn, IN_SCALE);
   }
 
