@@ -103,6 +103,12 @@ if (process.env.MOMA_STORE_DEFINITION !== undefined) {
   }
 }
 
+// ---- objects that give way have the times of their motions in columns, in their order ------------------------------------
+const { clocksOf } = await load('replay/motion');
+const manners = { distance: 0.8, patience: 3 };
+const clocks = clocksOf([{}, { yields: manners }, {}, { yields: manners }]);
+check(clocks.join() === ',object_time0,,object_time1', `columns of own times: ${clocks}`);
+
 // ---- the camera: all of a motion is in the picture, which is filled; by the projection of another library's copy -----------
 {
   const { fit } = await load('replay/fit');

@@ -53,6 +53,12 @@ function curvatures(times: readonly number[], values: readonly number[]): number
   return m;
 }
 
+/** For each object the column of samples with the time of its motion; '' where that is the trial's time. */
+export function clocksOf(objects: readonly { yields?: unknown }[]): string[] {
+  let givingWay = 0;
+  return objects.map(({ yields }) => (yields === undefined ? '' : `object_time${givingWay++}`));
+}
+
 /** The pose at time t of what starts at `start`. */
 export function placeAt(motion: MotionJson | undefined, start: Placed, t: number): Placed {
   const position = start.position.clone();

@@ -10,7 +10,7 @@ import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { floorPath, goalMark, grid, handPath, rowArrow, triad, type Colours } from './marks';
 import { extent, fit } from './fit';
 import { poseAt, skins, solid, wheels, type Part, type Skin } from './look';
-import { placeAt, type MotionJson, type Placed } from './motion';
+import { clocksOf, placeAt, type MotionJson, type Placed } from './motion';
 import { detourTarget, pathAhead } from './plan';
 import { quaternion, Robot, type ShapeJson } from './robot';
 import { carried, type Row } from './rows';
@@ -47,6 +47,7 @@ interface Grip { from: number; to: number; inHand: Matrix4; left: Placed }
 
 interface Body { mesh: Mesh; name: string; start: Placed; motion: MotionJson | undefined; clock: string; grips: Grip[] }   // clock: column with the time of its motion; '': that of the trial
 
+const kWall = 1.8;   // boxes that are higher are seen through [m]
 const IN_SCALE = new Vector3(1, 1, 1);
 
 function placed(pose: Matrix4): Placed {
@@ -214,17 +215,19 @@ export class ReplayScene {
       const hit = look.length > 0 ? hitBody.has(robot.rigid(skin.link)) : touched(skin.link);
       return this.draw(skin, hit ? colours.hit : skin.colour ?? (skin.link === '@base' ? colours.base : colours.arm));
     }).concat(wheels(robot, look).map((wheel) => this.draw(wheel, colours.wheel)));
-    const givingWay = world.objects.filter(({ yields }) => yields !== undefined);
-    this.bodies = world.objects.map((body) => {
+    const clocks = clocksOf(world.objects);
+    this.bodies = world.objects.map((body, i) => {
       const moving = body.motion !== undefined && body.motion.kind !== 'static';
       const hit = shown.hit.object === body.name || shown.hit.link === `carried:${body.name}`;
-      const mesh = new Mesh(solid(body), this.material(hit ? colours.hit : moving ? colours.moving : colours.object, { transparent: true, opacity: 0.88 }));
-      mesh.castShadow = true;
+      // Walls would hide what is in the rooms.
+      const wall = body.shape === 'box' && (body.size?.[2] ?? 0) > kWall;
+      const glass = { transparent: true, opacity: wall ? 0.15 : 0.88, depthWrite: !wall };
+      const mesh = new Mesh(solid(body), this.material(hit ? colours.hit : moving ? colours.moving : colours.object, glass));
+      mesh.castShadow = !wall;
       this.content.add(mesh);
       const [x = 0, y = 0, z = 0] = body.position ?? [];
       const start = { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) };
-      const clock = body.yields === undefined ? '' : `object_time${givingWay.indexOf(body)}`;
-      return { mesh, name: body.name, start, motion: body.motion, clock, grips: gripsOf(body.name, start, shown) };
+      return { mesh, name: body.name, start, motion: body.motion, clock: clocks[i] ?? '', grips: gripsOf(body.name, start, shown) };
     });
 
     this.addGhost();
