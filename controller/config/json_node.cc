@@ -28,10 +28,12 @@ Node node_from_json(const Json& json, const std::string& source) {
       node.scalar = json.get<std::string>();
       node.quoted = true;
       break;
+    case Json::value_t::number_float:
+      if (std::isnan(json.get<double>())) break;  // written as null
+      [[fallthrough]];
     case Json::value_t::boolean:
     case Json::value_t::number_integer:
     case Json::value_t::number_unsigned:
-    case Json::value_t::number_float:
       node.kind = Node::Kind::kScalar;
       node.scalar = json.dump();
       break;

@@ -407,6 +407,12 @@ TEST(Worlds, HoldWhatIsThereFromTheStart) {
   says({{"object", name}}, "held.object: '" + name + "' moves");
 }
 
+TEST(Worlds, WithoutAGapBetweenObjectsReadBackFromValuesAsFromText) {
+  const World world = worlds("families: {moving: {objects: 1}}").make(robot("frankie"), 0);
+  ASSERT_TRUE(std::isnan(world.difficulty.narrowest_gap_m));
+  EXPECT_TRUE(std::isnan(world_from_json(to_json(world), "test").difficulty.narrowest_gap_m));
+}
+
 TEST(Worlds, ResolvedSectionReadsBack) {
   const Worlds a = worlds(
       "seed: 8\nclearance: 0.04\nfamilies: {clutter: {weight: 2, objects: 3, box_edge: {normal: [0.3, 0.1]}}, open: "
