@@ -239,9 +239,7 @@ void Lookahead::follow(const Observation& o, Following& following) noexcept {
   // The path's clock waits for objects that will pass.
   long looks = kWatched;
   const double meet = params_.decisions.meet, wait = params_.decisions.wait;
-  const double met =
-      traffic_ ? watch_.met_after(state_.path, shift_, brief.clock, meet, state_.path.clearance, o.objects, looks)
-               : meet;
+  const double met = traffic_ ? watch_.met_after(state_.path, shift_, brief.clock, meet, o.objects, looks) : meet;
   const double most_rate = std::clamp((met - wait) / (meet - wait), 0.0, 1.0);
   const FollowStep step =
       follow_path(planner().limits(), params_, state_.path, brief.clock, dt_, most_rate, shift_, o, wanted_);

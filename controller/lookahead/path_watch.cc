@@ -78,7 +78,7 @@ bool PathWatch::holds(const Path& path, const PlanarShift& shift, double t, std:
   return true;
 }
 
-double PathWatch::met_after(const Path& path, const PlanarShift& shift, double t, double ahead, double clearance,
+double PathWatch::met_after(const Path& path, const PlanarShift& shift, double t, double ahead,
                             std::span<const ObjectState> objects, long& budget) noexcept {
   if (objects.size() != moving_.size()) return ahead;
   bool any = false;
@@ -88,13 +88,13 @@ double PathWatch::met_after(const Path& path, const PlanarShift& shift, double t
     any = any || moving_[i].visible;
   }
   if (!any) return ahead;
-  const double between = 2.0 * params_.watch_step;
+  const double between = 2.0 * params_.watch_step, room = path.clearance + params_.meet_room;
   for (double after = between; after < ahead && budget > 0; after += between) {
     for (ObjectState& object : moving_)
       if (object.visible) object.X_WO.translation() += between * object.V_WO_W.tail<3>();
     path.at(std::min(t + after, path.duration), point_);
     --budget;
-    if (!movers_.clear(space_.place(shift.of(point_)), moving_, {clearance, -1.0, -1.0})) return after;
+    if (!movers_.clear(space_.place(shift.of(point_)), moving_, {room, -1.0, -1.0})) return after;
   }
   return ahead;
 }

@@ -26,9 +26,9 @@ class PathWatch {
   /// the path than a share of its clearance.
   bool holds(const Path& path, const PlanarShift& shift, double t, std::span<const ObjectState> objects,
              long& budget) noexcept;
-  /// Returns the first time after t at which a moving object that keeps its velocity is nearer than `clearance` to the
-  /// robot on its path, at most `ahead` [s].
-  double met_after(const Path& path, const PlanarShift& shift, double t, double ahead, double clearance,
+  /// Returns the first time after t at which a moving object that keeps its velocity is nearer to the robot on its path
+  /// than the path's clearance and plan.decisions.meet_room, at most `ahead` [s].
+  double met_after(const Path& path, const PlanarShift& shift, double t, double ahead,
                    std::span<const ObjectState> objects, long& budget) noexcept;
 
  private:

@@ -202,7 +202,7 @@ struct DecisionParams {
   double missed = 0.3, pass_ahead = 0.2, pass_rest = 1.5;
   double progress = 0.05;
   double pushed = 0.3;
-  double meet = 2.0, wait = 0.5;
+  double meet = 2.0, wait = 0.5, meet_room = 0.05;
   double goal_jump = 0.02, goal_turn = 0.05;
   int plans = 4;
   double moved = 0.008, turned = 0.03;
@@ -243,6 +243,8 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("pushed", &T::pushed, non_negative("m", "lag among moving objects at which a path is given up"));
   v.member("meet", &T::meet, positive("s", "time before meeting a moving object at which the path's clock slows down"));
   v.member("wait", &T::wait, non_negative("s", "time before a meeting at which the path's clock stands"));
+  v.member("meet_room", &T::meet_room,
+           unless_default(non_negative("m", "distance beyond the path's clearance that counts as meeting it")));
   v.member("goal_jump", &T::goal_jump, positive("m", "motion of the goal between steps that makes it a new goal"));
   v.member("goal_turn", &T::goal_turn, positive("rad", "the same of its orientation"));
   v.member("plans", &T::plans,
