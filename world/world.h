@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -22,8 +23,7 @@ struct Configuration {
 
 /// Manners of an object that gives way to the robot, as people do (yielding.h).
 struct Yields {
-  double distance =
-      0.0;  ///< parts of the robot that are nearer and ahead of it make it wait; 0: it does not give way [m]
+  double distance = 0.0;  ///< of parts of the robot ahead of it that make it wait; 0: it does not give way [m]
   double patience = 3.0;  ///< time that it waits before it turns round [s]
 };
 
@@ -50,7 +50,7 @@ struct Pace {
   double at = 0.0;     ///< [s]
   double rate = 1.0;   ///< 1; 0: the object waits; -1: it goes back
 
-  double time(double t) const noexcept { return at + rate * (t - since); }
+  double time(double t) const noexcept { return std::max(0.0, at + rate * (t - since)); }
 };
 
 struct WorldGoal {
