@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/describe/describe.h"
 #include "controller/model/proximity.h"
 #include "controller/model/upright.h"
 #include "world/draws.h"
@@ -43,6 +44,8 @@ struct WorldObject {
   int noise = -1;  ///< number of the draws of its sensing errors; -1: its place among the objects
   Yields yields = {};
 };
+
+inline bool gives_way(const WorldObject& object) noexcept { return object.yields.distance > 0.0; }
 
 /// The time of an object's own motion: `at` at time `since`, from where on it runs at `rate`.
 struct Pace {

@@ -233,7 +233,7 @@ Json write_value(const WorldObject& object, const About&) {
   config::write_shape(object.shape, json);
   write_placed(json, object, object.X_WO, "velocity");
   if (object.noise >= 0) json["noise"] = object.noise;
-  if (object.yields.distance > 0.0) config::write_members(object.yields, json["yields"]);
+  if (gives_way(object)) config::write_members(object.yields, json["yields"]);
   return json;
 }
 

@@ -7,10 +7,9 @@ namespace moma {
 
 Yielding::Yielding(const World& world, double period) : world_(world), period_(period), paces_(world.objects.size()) {
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    const double distance = world.objects[i].yields.distance;
-    if (!(distance > 0.0)) continue;
+    if (!gives_way(world.objects[i])) continue;
     givers_.push_back({.object = static_cast<int>(i)});
-    range_ = std::max(range_, distance);
+    range_ = std::max(range_, world.objects[i].yields.distance);
   }
 }
 

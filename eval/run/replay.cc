@@ -99,8 +99,7 @@ std::optional<double> known_before_contact(const CollisionCase& collision) {
   const DetectionRule& rule = disturbances.detection;
   if (rule.occlusion || rule.mount == SensorMount::kHand || rule.seen_by != SeenBy::kRule)
     return {};  // samples without a base do not contain the arm's motion
-  if (std::ranges::any_of(world.objects, [](const WorldObject& object) { return object.yields.distance > 0.0; }))
-    return {};  // nor do they contain the times of people who wait
+  if (std::ranges::any_of(world.objects, gives_way)) return {};  // nor do they contain the times of people who wait
   Detection detection(rule, world, DisturbanceStreams(world, disturbances.seed), collision.control_period);
   if (hit == world.objects.end() || !detection.on()) return {};
   const auto place = static_cast<std::size_t>(hit - world.objects.begin());

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "controller/controller_core.h"
+#include "controller/plan/direct_way.h"
 #include "tests/controller/plan_scenes.h"
 #include "tests/support/finite_difference.h"
 #include "tests/support/no_alloc.h"
