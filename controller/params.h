@@ -93,6 +93,7 @@ struct DamperParams {
 struct CollisionParams {
   DamperParams object{true, 0.3, 0.05, 1.0};
   int max_pairs = 30;
+  double moving_room = 0.0;  ///< [m]
   DamperParams floor;
   DamperParams self;
   BrakingParams braking;

@@ -93,6 +93,8 @@ constexpr void describe(auto& v, Of<CollisionParams>) {
   using T = CollisionParams;
   v.inlined(&T::object);
   v.member("max_pairs", &T::max_pairs, in_range({0, 10000}, "", "largest number of pairs with rows, nearest first"));
+  v.member("moving_room", &T::moving_room,
+           unless_default(non_negative("m", "distance beyond `stop` that rows keep from objects in motion")));
   v.member("floor", &T::floor, {.text = "rows against the floor"});
   v.member("self", &T::self, {.text = "rows between the robot's own shapes"});
   v.optional("braking", &T::braking, &BrakingParams::enabled, Off::kOmitted,

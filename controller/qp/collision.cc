@@ -101,15 +101,17 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
     // n12 = -n_W points from the first link to the second.
     row_.noalias() += J_second_.transpose() * distance.n_W;
   }
+  const ObjectState* object = pair.kind == PairKind::kObject ? &states[static_cast<std::size_t>(pair.second)] : nullptr;
+  const bool unseen = object != nullptr && !object->seen;
+  const bool moves = object != nullptr && in_motion(*object);
+  const bool rests = object != nullptr && !moves;
   double d = distance.d;
-  if (uncertainty_.on() && (pair.kind != PairKind::kObject || states[static_cast<std::size_t>(pair.second)].seen)) {
+  if (uncertainty_.on() && !unseen) {
     const auto second = static_cast<std::size_t>(pair.second);
-    const bool object = pair.kind == PairKind::kObject;
-    d -= uncertainty_.margin(pair, kinematics, row_, object ? &states[second] : nullptr,
-                             object && second < spreads.size() ? spreads[second] : PlaceSpread{});
+    d -= uncertainty_.margin(pair, kinematics, row_, object,
+                             object != nullptr && second < spreads.size() ? spreads[second] : PlaceSpread{});
   }
-  const bool rests = pair.kind == PairKind::kObject && !in_motion(states[static_cast<std::size_t>(pair.second)]);
-  const bool unseen = pair.kind == PairKind::kObject && !states[static_cast<std::size_t>(pair.second)].seen;
+  if (moves) d -= params_.moving_room;
   const bool of_hand = hand_[static_cast<std::size_t>(pair.first)] != 0;
   const DamperParams& row_damper = unseen  ? unseen_
                                    : rests ? (of_hand ? resting_ : resting_of_arm_)
@@ -120,17 +122,14 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
     const double a = params_.braking.share * deceleration_.along(row_);
     double most = stoppable_speed(room, a, params_.braking.reaction);
     // A path past a corner comes near it faster than the robot could stop in front of it.
-    const bool still = pair.kind != PairKind::kObject || (rests && !unseen);
+    const bool still = !moves && !unseen;
     if (path_velocities_ != nullptr && still) most = std::max(most, row_.dot(*path_velocities_));
     limit = std::min(limit, most);
   }
-  bool moves = false;
-  if (pair.kind == PairKind::kObject) {
-    const ObjectState& object = states[static_cast<std::size_t>(pair.second)];
-    const Vector3 arm = distance.p_second_W - object.X_WO.translation();
-    const Vector3 p_dot = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
+  if (object != nullptr) {
+    const Vector3 arm = distance.p_second_W - object->X_WO.translation();
+    const Vector3 p_dot = object->V_WO_W.tail<3>() + object->V_WO_W.head<3>().cross(arm);
     limit -= distance.n_W.dot(p_dot);
-    moves = in_motion(object);
   }
   // A NaN keeps the row, so that the solver's input check reports it.
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;

@@ -66,6 +66,7 @@ constexpr void describe(auto& v, Of<Home>) {
 constexpr double kBoard = 0.03;                       // thickness of tabletops and boards [m]
 constexpr double kTableLow = 0.35, kTableHigh = 1.1;  // heights of a tabletop at the goal [m]
 constexpr double kFreeAtDoor = 0.7;                   // along the way, beside a wall with a door [m]
+constexpr double kTurnAtDoor = 0.9;                   // before and behind a door: a robot turns there [m]
 
 void rename(std::vector<WorldObject>& boxes, const std::string& piece) {
   for (WorldObject& box : boxes) box.name = piece + "_" + box.name;
@@ -76,6 +77,10 @@ std::vector<WorldObject> shelf_of(const FurnitureFrame& frame, double width, dou
   form.board = board;
   form.total = std::max(1.5, board + form.opening + kBoard);
   return shelf_boxes(frame, form, "shelf_board");
+}
+
+bool meet(const WorldObject& a, const WorldObject& b, double within) {
+  return shape_distance(a.shape, a.X_WO, b.shape, b.X_WO).d < within;
 }
 
 bool build(const Home& p, SceneBuilder& builder, World& world) {
@@ -93,7 +98,7 @@ bool build(const Home& p, SceneBuilder& builder, World& world) {
   const double distance = way.norm(), length = distance + 2.0 * p.beyond;
   FurnitureFrame frame;
   frame.yaw = std::atan2(way.y(), way.x());
-  std::vector<WorldObject> walls;
+  std::vector<WorldObject> walls, doorways;
   std::vector<double> walls_at;
   std::vector<Vector3> passages;
   for (int k = 0; k < doors; ++k) {
@@ -111,6 +116,8 @@ bool build(const Home& p, SceneBuilder& builder, World& world) {
       walls.push_back(furniture_box(frame, name + "_lintel", {at, middle, 0.5 * (p.door_height + p.wall_height)},
                                     {p.thickness, door, p.wall_height - p.door_height}));
     walls_at.push_back(at);
+    doorways.push_back(
+        furniture_box(frame, "", {at, middle, 0.5 * p.door_height}, {2.0 * kTurnAtDoor, door, p.door_height}));
     passages.push_back(frame.point(at, middle, 0.0));
   }
   const Vector3 goal = world.goal.X_WG.translation();
@@ -132,11 +139,12 @@ bool build(const Home& p, SceneBuilder& builder, World& world) {
   const double top = goal.z() - p.above;
   if (!in_shelf && (top < kTableLow || top > kTableHigh)) return builder.reject("home: no height for a table");
   const double wide = p.piece_width.sample(draws), deep = p.piece_depth.sample(draws);
-  if (!add_furniture(builder,
-                     in_shelf ? shelf_of(at_goal, wide, deep, top - 0.5 * kBoard)
-                              : table_boxes(at_goal, {deep, wide, top, kBoard}),
-                     "home: furniture at the goal", world))
-    return false;
+  std::vector<WorldObject> furniture =
+      in_shelf ? shelf_of(at_goal, wide, deep, top - 0.5 * kBoard) : table_boxes(at_goal, {deep, wide, top, kBoard});
+  for (const WorldObject& doorway : doorways)
+    if (std::ranges::any_of(furniture, [&](const WorldObject& box) { return meet(box, doorway, 0.0); }))
+      return builder.reject("home: the furniture at the goal stands in a door");
+  if (!add_furniture(builder, std::move(furniture), "home: furniture at the goal", world)) return false;
   if (!in_shelf && !add_things_on(builder, world, at_goal, {deep, wide, top, kBoard}, p.items_mix, items, "home:"))
     return false;
 
@@ -160,8 +168,7 @@ bool build(const Home& p, SceneBuilder& builder, World& world) {
           std::ranges::any_of(walls_at, [&](double at) { return std::abs(at - along) < 0.5 * width + kFreeAtDoor; });
       const WorldObject whole = furniture_box(there, "", {0.5 * depth, 0.0, 0.5}, {depth, width, 1.0});
       const bool meets = std::ranges::any_of(world.objects, [&](const WorldObject& other) {
-        return !other.name.starts_with("side") &&
-               shape_distance(whole.shape, whole.X_WO, other.shape, other.X_WO).d < 0.1;
+        return !other.name.starts_with("side") && meet(whole, other, 0.1);
       });
       if (in_door || meets || !std::ranges::all_of(boxes, [&](const WorldObject& box) {
             return builder.stands_clear(box, builder.clearance());
