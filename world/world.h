@@ -26,6 +26,7 @@ struct Configuration {
 struct Yields {
   double distance = 0.0;  ///< of parts of the robot ahead of it that make it wait; 0: it does not give way [m]
   double patience = 3.0;  ///< time that it waits before it turns round [s]
+  double side = 0.1;      ///< what is farther beside its course than half its width and this is not ahead of it [m]
 };
 
 constexpr void describe(auto& v, Of<Yields>) {
@@ -33,6 +34,8 @@ constexpr void describe(auto& v, Of<Yields>) {
       "distance", &Yields::distance,
       non_negative("m", "parts of the robot that are nearer and ahead of it make it wait; 0: it does not give way"));
   v.member("patience", &Yields::patience, non_negative("s", "time that it waits before it turns round"));
+  v.member("side", &Yields::side,
+           unless_default(non_negative("m", "room beside it within which parts of the robot count as ahead")));
 }
 
 struct WorldObject {

@@ -66,6 +66,22 @@ TEST(GivingWay, WaitsForWhatIsAheadAlone) {
   EXPECT_NEAR(out.trace.back().object_time[0], out.trace.back().t, 1e-12);
 }
 
+// The sphere passes the robot's last shape, a sphere of 5 cm about a line, at 20 cm beside its own surface: it waits
+// only where that counts as ahead.
+TEST(GivingWay, PassesWhatIsBesideItsCourse) {
+  TrialSpec spec = tiny_spec();
+  spec.simulation.time_limit = 9.0;
+  for (const auto& [side, waits] : {std::pair{0.1, false}, std::pair{1.0, true}}) {
+    World world = meeting({.distance = 0.8, .patience = 60.0, .side = side});
+    world.objects[1].X_WO.translation().y() = 0.6;
+    world.objects[1].motion =
+        PathMotion{.times = {0.0, 10.0}, .positions = {{2.0, 0.6, 0.5}, {-2.0, 0.6, 0.5}}, .quaternions = {}};
+    const TrialOutput out = stand(spec, world);
+    ASSERT_EQ(out.row.outcome, Outcome::kTimeout) << out.row.reason;
+    EXPECT_EQ(out.trace.back().object_time[0] < out.trace.back().t - 1.0, waits) << side;
+  }
+}
+
 TEST(GivingWay, StatesAreThoseOfItsOwnTime) {
   const World world = meeting({.distance = 0.3, .patience = 1.0});
   const Pace waits{.since = 3.0, .at = 2.0, .rate = 0.0}, returns{.since = 3.0, .at = 2.0, .rate = -1.0};
