@@ -204,6 +204,7 @@ TEST(EveryFamily, CountsEveryRejectedTryByItsReason) {
         Rejected{"shelf: {}", "shelf: the tool does not point into it (level)"},
         Rejected{"doorway: {along: 1}", "doorway: the goal is not behind it"},
         Rejected{"corridor: {width: 0.9}", "corridor: start or goal outside its walls"},
+        Rejected{"home: {}", "home: the furniture at the goal stands in a door"},
         Rejected{"moving: {objects: 1, orbit: 1, orbit_radius: 0.3, shapes: [box], standing_height: 5}",
                  "objects: no path clear of start and goal", "a path not clear of start and goal"},
         Rejected{"tracking: {speed: 0.5}", "tracking: too fast to follow (speed)"}}) {

@@ -143,6 +143,30 @@ TEST(Worlds, TheGoalLiesBehindTheDoor) {
   }
 }
 
+// Points within 0.85 m of a door, along its passage, lie in no table and in no shelf.
+TEST(Worlds, TheFurnitureOfAHomeLeavesItsDoorsFree) {
+  const Worlds source = worlds("families: {home: {doors: 2}}");
+  const auto model = robot("frankie");
+  for (std::uint64_t i = 0; i < 30; ++i) {
+    const World world = source.make(model, i);
+    for (const std::string wall : {"wall1", "wall2"}) {
+      const WorldObject &left = named(world, wall + "_left"), &right = named(world, wall + "_right");
+      const Vector3 along = left.X_WO.linear().col(0), across = left.X_WO.linear().col(1);
+      const Vector3 a = left.X_WO.translation() - 0.5 * left.shape.size.y() * across;
+      const Vector3 b = right.X_WO.translation() + 0.5 * right.shape.size.y() * across;
+      for (int k = 0; k < 400; ++k) {
+        const Vector3 p = b + (k % 20 + 0.5) / 20.0 * (a - b) + 0.85 * ((k / 20) / 9.5 - 1.0) * along;
+        for (const WorldObject& object : world.objects) {
+          if (object.name.find("table") == std::string::npos && object.name.find("shelf") == std::string::npos)
+            continue;
+          const Vector3 in = (object.X_WO.inverse() * p).cwiseAbs() - 0.5 * object.shape.size;
+          EXPECT_GT(in.head<2>().maxCoeff(), 0.0) << object.name << " in the door of " << wall << ", world " << i;
+        }
+      }
+    }
+  }
+}
+
 TEST(Worlds, TrackedGoalsMoveAndKeepEveryBitInTheirFile) {
   const Worlds source = worlds("families: {tracking: {}}");
   std::set<std::size_t> kinds;
