@@ -30,13 +30,14 @@ void Yielding::decide(double t, const Kinematics& kinematics, Proximity& proximi
     pace = {t, pace.time(t), giver.direction};
     if (giver.direction < 0.0 && pace.at <= 0.0) pace.rate = giver.direction = 1.0;
     const MovingPose now = place(object, pace, t);
-    const Vector3 v = now.V_W.tail<3>(), course = v.normalized();
+    const Vector3 course = now.V_W.tail<3>().normalized();  // 0 if it pauses
     const bool blocked = std::ranges::any_of(near, [&](const ProximityPair& pair) {
       if (pair.second != giver.object || pair.distance.d >= object.yields.distance) return false;
       const Vector3 to = pair.distance.p_first_W - now.X.translation();
-      const Vector3 beside = to - to.dot(course) * course;
+      const double ahead = to.dot(course);
+      const double beside = (to - ahead * course).head<2>().norm();
       const double half_width = (pair.distance.p_second_W - now.X.translation()).head<2>().norm();
-      return to.dot(v) > 0.0 && beside.head<2>().norm() < half_width + object.yields.side;
+      return ahead > 0.0 && beside < half_width + object.yields.side;
     });
     giver.waited = blocked ? giver.waited + period_ : 0.0;
     if (!blocked) continue;

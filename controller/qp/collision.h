@@ -17,8 +17,9 @@ namespace moma {
 /// itself. With `braking`, zeta is at most the speed from which the robot can still stop (stoppable_speed() of d - d_s)
 /// at a share of its deceleration along the row, before the object's own velocity is subtracted: dampers with
 /// acceleration limits, as Del Prete's bounds of joints (IEEE RA-L 3(1), 2018). With `uncertainty` d is reduced by its
-/// margin, and for objects in motion by `moving_room`. Signs follow "d grows along n" (checked by differencing d), whereas the article's formulas for objects and
-/// for two links use opposite directions. One per worker; only allocate() allocates.
+/// margin, and for objects in motion by `moving_room`. Signs follow "d grows along n" (checked by differencing d),
+/// whereas the article's formulas for objects and for two links use opposite directions. One per worker; only
+/// allocate() allocates.
 class CollisionRows {
  public:
   CollisionRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,

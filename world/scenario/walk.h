@@ -61,7 +61,8 @@ constexpr void describe(auto& v, Of<Walk>) {
   v.member("walk_pause_time", &T::pause_time, non_negative("s", "duration of a stop"));
   v.member("walk_margin", &T::margin,
            in_range({T::kLeastLeg, 1000.0}, "m", "largest distance of waypoints from the way"));
-  v.member("walk_yields", &T::yields, unless_default({.text = "people who wait for the robot: {distance, patience, side}"}));
+  v.member("walk_yields", &T::yields,
+           unless_default({.text = "people who wait for the robot: {distance, patience, side}"}));
   v.member("walker", &T::walker, {.text = "solid: the family's own solids walk instead of people"});
 }
 
