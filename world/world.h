@@ -26,7 +26,7 @@ struct Configuration {
 struct Yields {
   double distance = 0.0;  ///< of parts of the robot ahead of it that make it wait; 0: it does not give way [m]
   double patience = 3.0;  ///< time that it waits before it turns round [s]
-  double side = 0.3;      ///< what is farther beside its course than half its width and this is not ahead of it [m]
+  double side = 0.3;      ///< room beside its way within which parts of the robot count as ahead [m]
 };
 
 constexpr void describe(auto& v, Of<Yields>) {

@@ -84,7 +84,7 @@ TEST(ControllerRows, CollisionRowsMatchTheMeasuredRateOfDistance) {
       if (std::abs((ahead - here) - (here - behind)) > 1e-4 * h) continue;
       const double rate = (ahead - behind) / (2 * h);
       const DamperParams& d = damper(p.collision, kind);
-      const double kept = d.stop + (kind == PairKind::kObject && !still ? 0.02 : 0.0);
+      const double kept = d.stop + (kind == PairKind::kObject && !still ? p.collision.moving_room : 0.0);
       const double zeta = d.gain * (pair->distance.d - kept) / (d.influence - d.stop);
       const double row = c.problem().A.row(r).head(model->num_velocities()).dot(v);
       EXPECT_NEAR(c.problem().ubA[r] - row - zeta, rate, 2e-5) << c.row_name(r) << " of " << model->name;

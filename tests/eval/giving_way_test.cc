@@ -66,12 +66,12 @@ TEST(GivingWay, WaitsForWhatIsAheadAlone) {
   EXPECT_NEAR(out.trace.back().object_time[0], out.trace.back().t, 1e-12);
 }
 
-// The sphere passes the robot's last shape, a sphere of 5 cm about a line, at 20 cm beside its own surface: it waits
-// only where that counts as ahead.
+// The sphere passes the robot's shapes, spheres of 5 cm, with 45 cm between their surfaces: it waits only where that
+// counts as ahead.
 TEST(GivingWay, PassesWhatIsBesideItsCourse) {
   TrialSpec spec = tiny_spec();
   spec.simulation.time_limit = 9.0;
-  for (const auto& [side, waits] : {std::pair{0.1, false}, std::pair{1.0, true}}) {
+  for (const auto& [side, waits] : {std::pair{0.4, false}, std::pair{0.6, true}}) {
     World world = meeting({.distance = 0.8, .patience = 60.0, .side = side});
     world.objects[1].X_WO.translation().y() = 0.6;
     world.objects[1].motion =
