@@ -6,23 +6,31 @@
 // For each sweep point of a suite, whatever its controllers: in how many of its first worlds a planner with much work
 // at its hands finds a path of base and arm that keeps the clearance of a tight path. Of a world without one it is
 // unknown whether there is any. For each controller that looks ahead: what its own planner needs in these worlds, by
-// family, where it begins again after each failure as the controller does.
+// family, where it begins again after each failure as the controller does. Where OMPL is installed, its RRT-Connect
+// searches as well, once in each of these worlds: the same start, goal configurations, distances and edges.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "bench/suite_program.h"
 #include "controller/plan/planner.h"
 #include "eval/suite/suite.h"
+#ifdef MOMA_HAVE_OMPL
+#include "tests/support/rrt_connect.h"
+#endif
 
 namespace moma {
 namespace {
+
+const std::string kAll = "~ all";  // after the families' names
+[[maybe_unused]] constexpr long kMostOfOmpl = 400000;
 
 /// Plans as the preset that looks ahead does, with far more checks.
 ControllerParams patient(const TrialSpec& point) {
@@ -61,8 +69,16 @@ int plan(Planner& planner, const World& world, int most, Each&& each) {
 /// Results of plans.
 struct Tally {
   int worlds = 0, found = 0, first = 0;
-  std::vector<double> checks, seconds, times;  // of those that were found; checks of all plans until then
+  // Of those that were found: checks and time of all plans until then, time and length in joint space of the way.
+  std::vector<double> checks, seconds, times, lengths;
 
+  void add(double spent, double took, double time, double length) {
+    ++found;
+    checks.push_back(spent);
+    seconds.push_back(took);
+    times.push_back(time);
+    lengths.push_back(length);
+  }
   void print(const std::string& name) {
     const auto at = [](std::vector<double>& values, double part) {
       if (values.empty()) return 0.0;
@@ -70,39 +86,63 @@ struct Tally {
       std::nth_element(values.begin(), values.begin() + k, values.end());
       return values[static_cast<std::size_t>(k)];
     };
-    fmt::print("{:24} {:6} {:6} {:6} {:10.0f} {:10.0f} {:10.1f} {:8.2f}\n", name, worlds, found, first, at(checks, 0.5),
-               at(checks, 0.9), 1e3 * at(seconds, 0.5), at(times, 0.5));
+    fmt::print("{:24} {:6} {:6} {:6} {:10.0f} {:10.0f} {:10.2f} {:8.2f} {:10.2f}\n", name, worlds, found, first,
+               at(checks, 0.5), at(checks, 0.9), 1e3 * at(seconds, 0.5), at(times, 0.5), at(lengths, 0.5));
   }
 };
+
+/// Length in joint space [rad].
+double length_of(std::span<const Edge> edges) {
+  double length = 0.0;
+  for (const Edge& edge : edges) length += (edge.b - edge.a).tail(edge.a.size() - 3).norm();
+  return length;
+}
+
+void print(const std::string& title, std::map<std::string, Tally>& families) {
+  fmt::print("\n{}; checks until then; processor time; duration and length of the way\n", title);
+  fmt::print("{:24} {:>6} {:>6} {:>6} {:>10} {:>10} {:>10} {:>8} {:>10}\n", "family", "worlds", "found", "first",
+             "median", "90 %", "median ms", "median s", "median rad");
+  for (auto& [name, tally] : families) tally.print(name);
+  std::fflush(stdout);
+}
 
 void print_plans(const SuitePoint& point, std::uint64_t count) {
   constexpr int kMost = 10;
   Planner planner(point.robot->model, resolved(point.controller_params, *point.robot->model));
   std::map<std::string, Tally> families;
-  Tally all;
+  [[maybe_unused]] std::map<std::string, Tally> of_ompl;
   for (std::uint64_t i = 0; i < count; ++i) {
     const World world = point.worlds.make(point.robot->model, i);
-    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t begin = std::clock();
     double checks = 0.0;
     const int plans = plan(planner, world, kMost, [&] { checks += static_cast<double>(planner.counts().checks); });
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    for (Tally* tally : {&all, &families[world.family]}) {
-      ++tally->worlds;
+    const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    for (const std::string& name : {world.family, kAll}) {
+      Tally& tally = families[name];
+      ++tally.worlds;
       if (plans == 0) continue;
-      ++tally->found;
-      tally->first += plans == 1 ? 1 : 0;
-      tally->checks.push_back(checks);
-      tally->seconds.push_back(seconds);
-      tally->times.push_back(planner.path().duration);
+      tally.first += plans == 1 ? 1 : 0;
+      tally.add(checks, seconds, planner.path().duration, length_of(planner.edges().all()));
     }
+#ifdef MOMA_HAVE_OMPL
+    if (plans == 0) continue;
+    const PlanParams& params = point.controller_params.plan;
+    const test::RrtConnectWay way =
+        test::ask_rrt_connect(planner.space(), start_of(world), world.goal.X_WG, planner.goals(), params.roots,
+                              params.check_step, kMostOfOmpl);
+    for (const std::string& name : {world.family, kAll}) {
+      Tally& tally = of_ompl[name];
+      ++tally.worlds;
+      if (!way.found) continue;
+      ++tally.first;
+      tally.add(static_cast<double>(way.checks), way.seconds, way.time, way.length);
+    }
+#endif
   }
-  fmt::print("\n{} {}: found in {} plans, in the first one; checks until then; CPU time; duration of the path\n",
-             point.controller, point.label, kMost);
-  fmt::print("{:24} {:>6} {:>6} {:>6} {:>10} {:>10} {:>10} {:>8}\n", "family", "worlds", "found", "first", "median",
-             "90 %", "median ms", "median s");
-  for (auto& [name, tally] : families) tally.print(name);
-  all.print("all");
-  std::fflush(stdout);
+  print(fmt::format("{} {}: found in {} plans, in the first one", point.controller, point.label, kMost), families);
+#ifdef MOMA_HAVE_OMPL
+  print(fmt::format("OMPL's RRT-Connect where that found a way: found within {} checks", kMostOfOmpl), of_ompl);
+#endif
 }
 
 void run(const std::string& file, std::uint64_t count) {

@@ -86,6 +86,8 @@ class Planner {
   std::span<const GoalConfiguration> goals() const noexcept {
     return std::span(goals_).first(static_cast<std::size_t>(usable_goals()));
   }
+  /// The space in which the plan's tier searches: its objects, clearances and joint ranges.
+  FreeSpace& space() noexcept { return space_; }
   /// The shortened edges, once a path is found.
   const EdgeList& edges() const noexcept { return best_; }
 
