@@ -112,6 +112,24 @@ std::vector<std::string> goal_warnings(const std::vector<const SuitePoint*>& poi
   return out;
 }
 
+/// Returns one sentence, with counts, per size of the errors with which objects are told to controllers that are larger
+/// than the room which the tool has at goals in `look`: there contact is a matter of chance, whatever the controller.
+std::vector<std::string> unsure_goals(const std::vector<const SuitePoint*>& points, const WorldLook& look) {
+  std::vector<std::string> out;
+  std::set<double> seen;
+  for (const SuitePoint* point : points) {
+    const PoseSensing& objects = point->disturbances.objects;
+    const double error = std::hypot(objects.bias.position, objects.noise.position);
+    const Within within(look, 0.0, error);
+    if (within.count == 0 || !seen.insert(error).second) continue;
+    out.push_back(fmt::format(
+        "objects are measured with errors of {:.1f} mm (standard deviation of each coordinate): at the goal of {} of "
+        "{} worlds the tool has less room (nearest: {:.1f} mm in {}), and contact is a matter of chance",
+        1e3 * error, within.count, look.goals.size(), 1e3 * within.nearest->d, within.nearest->where));
+  }
+  return out;
+}
+
 constexpr std::uint64_t kEnoughFailures = 3;  // further worlds of the family would take long and fail as well
 
 /// Processor time of this thread.
@@ -181,6 +199,7 @@ std::vector<std::string> WorldSurvey::doubts() const {
                                 look.in_touch, look.goals.size(), look.first_touch));
     for (const std::string& text : touching_goals(look)) out.push_back(robot + text);
     for (const std::string& text : goal_warnings(group.points, look)) out.push_back(robot + text);
+    for (const std::string& text : unsure_goals(group.points, look)) out.push_back(robot + text);
   }
   return out;
 }

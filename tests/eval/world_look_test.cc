@@ -70,7 +70,7 @@ class WorldLooks : public ::testing::Test {
     return out;
   }
 
-  Suite suite(const std::vector<World>& worlds, const std::string& success) const {
+  Suite suite(const std::vector<World>& worlds, const std::string& success, const std::string& more = "") const {
     std::string lines;
     for (const World& w : worlds) lines += to_json(w).dump() + "\n";
     scratch_.write("worlds.jsonl", lines);
@@ -79,7 +79,7 @@ class WorldLooks : public ::testing::Test {
                           "controllers/moma.yaml, " + "neo: " + kConfigs + "controllers/neo.yaml}\n" +
                           "worlds: {frozen: worlds.jsonl}\n" +
                           "simulation: {mode: kinematic, time_limit: 4}\nsuccess: " + success +
-                          "\ntrials: " + std::to_string(worlds.size()) + "\n"));
+                          "\ntrials: " + std::to_string(worlds.size()) + "\n" + more));
   }
 
   static std::vector<std::string> doubts(const Suite& suite) {
@@ -135,6 +135,20 @@ TEST_F(WorldLooks, GoalsNearerThanWhatIsKeptAreCounted) {
       << ::testing::PrintToString(texts);
   EXPECT_EQ(mention(texts, "controller moma"), 0) << "it comes as near as the goal needs";
   EXPECT_TRUE(doubts(suite({world(0, 0.2), world(1, 0.1)}, "{position: 0.02, orientation: 0.05}")).empty());
+}
+
+TEST_F(WorldLooks, GoalsWithLessRoomThanTheErrorsOfWhatIsMeasuredAreCounted) {
+  const std::vector<World> worlds = {world(0, 0.2), world(1, 0.006), world(2, 0.004)};
+  const auto texts = [&](const std::string& bias) {
+    return doubts(suite(worlds, "{position: 0.02, orientation: 0.05}",
+                        "disturbances: {objects: {bias: {position: " + bias + "}, noise: {position: 0.003}}}\n"));
+  };
+  EXPECT_EQ(mention(texts("0.004"), "errors of 5.0 mm"), 1) << ::testing::PrintToString(texts("0.004"));
+  EXPECT_EQ(
+      mention(texts("0.004"), "at the goal of 1 of 3 worlds the tool has less room (nearest: 4.0 mm in world 2, "), 1)
+      << ::testing::PrintToString(texts("0.004"));
+  EXPECT_EQ(mention(texts("0.01"), "at the goal of 2 of 3 worlds the tool has less room"), 1);
+  EXPECT_EQ(mention(texts("0"), "matter of chance"), 0);
 }
 
 TEST_F(WorldLooks, GoalsInTouchAreCountedForThemselves) {

@@ -76,8 +76,7 @@ class EdgeValidator : public ob::MotionValidator {
 }  // namespace
 
 RrtConnectWay ask_rrt_connect(FreeSpace& space, const WholeConfiguration& start, const Isometry& X_WG,
-                              std::span<const GoalConfiguration> goals, int most_goals, double step,
-                              long most_checks) {
+                              std::span<const GoalConfiguration> goals, int most_goals, double step, long most_checks) {
   ompl::msg::setLogLevel(ompl::msg::LOG_ERROR);
   static const bool seeded = (ompl::RNG::setSeed(1), true);  // once a process: OMPL refuses a second time
   static_cast<void>(seeded);

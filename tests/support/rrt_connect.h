@@ -20,7 +20,6 @@ struct RrtConnectWay {
 /// edges and distances are those of `space`, which must have its objects and clearances; trees, samples and shortcuts
 /// are OMPL's. The base stays within 1.5 m of the rectangle around the start and the goal at X_WG.
 RrtConnectWay ask_rrt_connect(FreeSpace& space, const WholeConfiguration& start, const Isometry& X_WG,
-                              std::span<const GoalConfiguration> goals, int most_goals, double step,
-                              long most_checks);
+                              std::span<const GoalConfiguration> goals, int most_goals, double step, long most_checks);
 
 }  // namespace moma::test
