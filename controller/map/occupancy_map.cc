@@ -26,7 +26,8 @@ OccupancyMap::OccupancyMap(const MapParams& params)
       hit_(units(params.evidence.hit)),
       pass_(units(params.evidence.pass)),
       least_(-units(params.evidence.least)),
-      most_(units(params.evidence.most)) {
+      most_(units(params.evidence.most)),
+      pocket_(static_cast<int>(std::lround(params.unseen.least / params.cell))) {
   count_ += (kBlock - count_ % kBlock) % kBlock;
   clear(0.0, 0.0);
 }
@@ -40,6 +41,7 @@ void OccupancyMap::clear(double x, double y) {
   changed_.reserve(columns / (kBlock * kBlock));
   columns_.assign(columns, Column{});
   left_.assign(columns, 0);
+  cubes_.assign(columns, 0);
   covered_.assign(columns, 0);
   blocks_.assign(columns / (kBlock * kBlock), Block{});
   region_ = {};
@@ -251,6 +253,37 @@ void OccupancyMap::take_for_free(const Eigen::Vector3i& cell, bool surely) noexc
   if (!freed_already(cell, surely)) set(column(cell.x(), cell.y()), block(cell.x(), cell.y()), cell.z(), -pass_);
 }
 
+// The cubes are found by an erosion and a dilation of the cells that are not free, one cell at a time. Each works in
+// place, in the order in which it reads nothing that it has changed.
+void OccupancyMap::leave_out_pockets(const CellBox& region) noexcept {
+  const int more = pocket_ - 1;
+  if (more <= 0) return;
+  const Eigen::Vector3i low = (region.low.array() - more).cwiseMax(0), high = (region.high.array() + more).min(count_);
+  const Layers outside = ~bits(0, layers_), top = ~(~Layers{0} >> 1);
+  const auto hides = [&](int x, int y) {
+    return x >= low.x() && y >= low.y() && x < high.x() && y < high.y() ? cubes_[column(x, y)] : ~Layers{0};
+  };
+  for (int x = low.x(); x < high.x(); ++x)
+    for (int y = low.y(); y < high.y(); ++y) {
+      const Column& c = columns_[column(x, y)];
+      cubes_[column(x, y)] = c.unseen | c.occupied | outside;
+    }
+  for (int k = 0; k < more; ++k)
+    for (int x = low.x(); x < high.x(); ++x)
+      for (int y = low.y(); y < high.y(); ++y) {
+        const Layers all = hides(x, y) & hides(x + 1, y) & hides(x, y + 1) & hides(x + 1, y + 1);
+        cubes_[column(x, y)] = all & (all >> 1 | top);
+      }
+  for (int k = 0; k < more; ++k)
+    for (int x = high.x() - 1; x >= low.x(); --x)
+      for (int y = high.y() - 1; y >= low.y(); --y) {
+        const Layers any = hides(x, y) | hides(x - 1, y) | hides(x, y - 1) | hides(x - 1, y - 1);
+        cubes_[column(x, y)] = any | any << 1;
+      }
+  for (int x = region.low.x(); x < region.high.x(); ++x)
+    for (int y = region.low.y(); y < region.high.y(); ++y) left_[column(x, y)] &= cubes_[column(x, y)];
+}
+
 void OccupancyMap::cover(Kind kind, CellBox region, std::vector<CellBox>& boxes) noexcept {
   region.low = region.low.cwiseMax(0);
   region.high = region.high.cwiseMin(cells());
@@ -269,6 +302,7 @@ void OccupancyMap::cover(Kind kind, CellBox region, std::vector<CellBox>& boxes)
     left_[c] = of_kind(columns_[c]) & layers;
     return true;
   });
+  if (!occupied) leave_out_pockets(region);
   if (occupied) {
     region_ = region;
     uncovered_ = false;

@@ -59,7 +59,9 @@ class OccupancyMap {
 
   enum class Kind { kOccupied, kUnseen };
   /// Covers the cells of a kind inside `region` with disjoint boxes of at most kLongest cells an edge, at most as many
-  /// as `boxes` has capacity for. Keeps the given boxes that touch the region and have cells of the kind alone.
+  /// as `boxes` has capacity for. Keeps the given boxes that touch the region and have cells of the kind alone. Of the
+  /// unseen cells those count that are in a cube with edges of `unseen.least` in which no cell is free: what is larger
+  /// than that cannot hide in the others. What lies outside the window is not free.
   void cover(Kind kind, CellBox region, std::vector<CellBox>& boxes) noexcept;
 
   static constexpr int kUnseen = -128;
@@ -93,15 +95,19 @@ class OccupancyMap {
   }
   void set(std::size_t column, std::size_t block, int z, int odds) noexcept;
   void change(std::size_t block) noexcept;
+  /// Takes the cells from left_ that are in no such cube.
+  void leave_out_pockets(const CellBox& region) noexcept;
 
   double size_;
   int count_, layers_;
   int hit_, pass_, least_, most_;                     // in units
+  int pocket_;                                        // edge of the cubes, in cells
   Eigen::Vector3i origin_ = Eigen::Vector3i::Zero();  // of the window's first cell, in cells
   std::vector<std::int8_t> odds_;
   std::vector<Column> columns_;
   std::vector<Block> blocks_;
   std::vector<Layers> left_;     // cells of each column that cover() has not covered yet
+  std::vector<Layers> cubes_;    // cells of each column in cubes without a free cell
   std::vector<Layers> covered_;  // cells of each column in a box of the last cover() of occupied cells
   CellBox region_;               // of that call
   bool uncovered_ = false;

@@ -31,6 +31,7 @@ struct UnseenParams {
   double margin = 0.0;      ///< distance kept on the braking trajectory [m]
   double range = 0.5;       ///< distance from the robot up to which unseen space counts [m]
   double around = 0.01;     ///< depth up to which ways may enter it while one is found [m]; 0: they go through it
+  double least = 0.0;       ///< edge of the smallest cube of it that counts [m]
   int boxes = 160;          ///< most boxes
 };
 
@@ -44,6 +45,10 @@ constexpr void describe(auto& v, Of<UnseenParams>) {
   v.member("range", &T::range, positive("m", "distance from the robot up to which unseen space counts"));
   v.member("around", &T::around,
            non_negative("m", "depth up to which ways may enter unseen space, unless all go through it; 0: they do"));
+  v.member("least", &T::least,
+           unless_default(in_range({0.0, 1.0}, "m",
+                                   "edge of the smallest cube of unseen space that counts: smaller things "
+                                   "are taken to be seen from somewhere; 0: each cell counts")));
   v.member("boxes", &T::boxes, in_range({1.0, 1000.0}, "", "number of boxes, the nearest ones"));
 }
 

@@ -52,8 +52,8 @@ void insert(const Frame& frame, OccupancyMap& map) {
   map.end();
 }
 
-OccupancyMap filled() {
-  OccupancyMap map(MapParams{});
+OccupancyMap filled(const MapParams& params = {}) {
+  OccupancyMap map(params);
   for (const Frame& frame : frames()) insert(frame, map);
   return map;
 }
@@ -197,6 +197,52 @@ TEST(OccupancyMap, BoxesCoverEachCellOnce) {
     few.reserve(3);
     map.cover(kind, region, few);
     EXPECT_EQ(few.size(), 3u) << "as many as there is room for";
+  }
+}
+
+TEST(OccupancyMap, UnseenCellsCountInCubesWithoutAFreeCell) {
+  for (const auto& [least, edge] : {std::pair{0.1, 2}, {0.15, 3}, {0.25, 5}}) {
+    MapParams params;
+    params.unseen.least = least;
+    OccupancyMap map = filled(params);
+    const CellBox region{{0, 30, 2}, {115, 128, 33}};
+    std::vector<CellBox> boxes;
+    boxes.reserve(20'000);
+    map.cover(OccupancyMap::Kind::kUnseen, region, boxes);
+    const auto each_of = [](const CellBox& box, auto&& of) {
+      Eigen::Vector3i c;
+      for (c.x() = box.low.x(); c.x() < box.high.x(); ++c.x())
+        for (c.y() = box.low.y(); c.y() < box.high.y(); ++c.y())
+          for (c.z() = box.low.z(); c.z() < box.high.z(); ++c.z())
+            if (!of(c)) return false;
+      return true;
+    };
+    const auto hides = [&](const Eigen::Vector3i& c) {
+      return (c.array() < 0).any() || (c.array() >= map.cells().array()).any() || map.unseen(c) || map.occupied(c);
+    };
+    const auto at = [&](const Eigen::Vector3i& c) {
+      return static_cast<std::size_t>((c.x() * map.cells().y() + c.y()) * map.cells().z() + c.z());
+    };
+    std::vector<char> covered(static_cast<std::size_t>(map.cells().prod()), 0), counts = covered;
+    for (const CellBox& box : boxes) each_of(box, [&](const Eigen::Vector3i& c) { return covered[at(c)] = 1, true; });
+    const Eigen::Vector3i more = Eigen::Vector3i::Constant(edge);
+    each_of({{1 - edge, 1 - edge, 0}, map.cells()},
+            [&](const Eigen::Vector3i& low) {  // no cube reaches below the floor
+              const CellBox cube{low, low + more};
+              if (!each_of(cube, hides)) return true;
+              return each_of({low.cwiseMax(0), cube.high.cwiseMin(map.cells())},
+                             [&](const Eigen::Vector3i& c) { return counts[at(c)] = map.unseen(c), true; });
+            });
+    long wrong = 0, wanted = 0, pockets = 0;
+    each_of(region, [&](const Eigen::Vector3i& c) {
+      wanted += counts[at(c)];
+      pockets += map.unseen(c) && !counts[at(c)] ? 1 : 0;
+      wrong += covered[at(c)] != counts[at(c)] ? 1 : 0;
+      return true;
+    });
+    EXPECT_EQ(wrong, 0) << least;
+    EXPECT_GT(wanted, 500) << least;
+    EXPECT_GT(pockets, 100) << least;
   }
 }
 
