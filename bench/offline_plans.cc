@@ -29,7 +29,6 @@
 namespace moma {
 namespace {
 
-const std::string kAll = "~ all";  // after the families' names
 [[maybe_unused]] constexpr long kMostOfOmpl = 400000;
 
 /// Plans as the preset that looks ahead does, with far more checks.
@@ -66,18 +65,27 @@ int plan(Planner& planner, const World& world, int most, Each&& each) {
   return 0;
 }
 
-/// Results of plans.
+/// What came of a world: `first`: by the first plan; checks and processor time [s] of all plans; duration [s] of the
+/// way and its length in joint space [rad].
+struct Answer {
+  bool found = false, first = false;
+  double checks = 0.0, seconds = 0.0, time = 0.0, length = 0.0;
+};
+
+/// Answers; numbers of those that were found.
 struct Tally {
   int worlds = 0, found = 0, first = 0;
-  // Of those that were found: checks and time of all plans until then, time and length in joint space of the way.
   std::vector<double> checks, seconds, times, lengths;
 
-  void add(double spent, double took, double time, double length) {
+  void add(const Answer& answer) {
+    ++worlds;
+    if (!answer.found) return;
     ++found;
-    checks.push_back(spent);
-    seconds.push_back(took);
-    times.push_back(time);
-    lengths.push_back(length);
+    first += answer.first ? 1 : 0;
+    checks.push_back(answer.checks);
+    seconds.push_back(answer.seconds);
+    times.push_back(answer.time);
+    lengths.push_back(answer.length);
   }
   void print(const std::string& name) {
     const auto at = [](std::vector<double>& values, double part) {
@@ -91,55 +99,51 @@ struct Tally {
   }
 };
 
-/// Length in joint space [rad].
+using Tallies = std::map<std::string, Tally>;  // of families, and of all worlds
+
+void add(Tallies& tallies, const World& world, const Answer& answer) {
+  tallies[world.family].add(answer);
+  tallies["~ all"].add(answer);  // after the families' names
+}
+
+/// Length in joint space [rad]; 0 of a path past corners, which has no edges.
 double length_of(std::span<const Edge> edges) {
   double length = 0.0;
   for (const Edge& edge : edges) length += (edge.b - edge.a).tail(edge.a.size() - 3).norm();
   return length;
 }
 
-void print(const std::string& title, std::map<std::string, Tally>& families) {
+void print(const std::string& title, Tallies& tallies) {
   fmt::print("\n{}; checks until then; processor time; duration and length of the way\n", title);
   fmt::print("{:24} {:>6} {:>6} {:>6} {:>10} {:>10} {:>10} {:>8} {:>10}\n", "family", "worlds", "found", "first",
              "median", "90 %", "median ms", "median s", "median rad");
-  for (auto& [name, tally] : families) tally.print(name);
+  for (auto& [name, tally] : tallies) tally.print(name);
   std::fflush(stdout);
 }
 
 void print_plans(const SuitePoint& point, std::uint64_t count) {
   constexpr int kMost = 10;
   Planner planner(point.robot->model, resolved(point.controller_params, *point.robot->model));
-  std::map<std::string, Tally> families;
-  [[maybe_unused]] std::map<std::string, Tally> of_ompl;
+  Tallies ours;
+  [[maybe_unused]] Tallies of_ompl;
   for (std::uint64_t i = 0; i < count; ++i) {
     const World world = point.worlds.make(point.robot->model, i);
     const std::clock_t begin = std::clock();
     double checks = 0.0;
     const int plans = plan(planner, world, kMost, [&] { checks += static_cast<double>(planner.counts().checks); });
     const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-    for (const std::string& name : {world.family, kAll}) {
-      Tally& tally = families[name];
-      ++tally.worlds;
-      if (plans == 0) continue;
-      tally.first += plans == 1 ? 1 : 0;
-      tally.add(checks, seconds, planner.path().duration, length_of(planner.edges().all()));
-    }
+    add(ours, world,
+        {plans > 0, plans == 1, checks, seconds, planner.path().duration, length_of(planner.edges().all())});
 #ifdef MOMA_HAVE_OMPL
     if (plans == 0) continue;
     const PlanParams& params = point.controller_params.plan;
     const test::RrtConnectWay way =
         test::ask_rrt_connect(planner.space(), start_of(world), world.goal.X_WG, planner.goals(), params.roots,
                               params.check_step, kMostOfOmpl);
-    for (const std::string& name : {world.family, kAll}) {
-      Tally& tally = of_ompl[name];
-      ++tally.worlds;
-      if (!way.found) continue;
-      ++tally.first;
-      tally.add(static_cast<double>(way.checks), way.seconds, way.time, way.length);
-    }
+    add(of_ompl, world, {way.found, way.found, static_cast<double>(way.checks), way.seconds, way.time, way.length});
 #endif
   }
-  print(fmt::format("{} {}: found in {} plans, in the first one", point.controller, point.label, kMost), families);
+  print(fmt::format("{} {}: found in {} plans, in the first one", point.controller, point.label, kMost), ours);
 #ifdef MOMA_HAVE_OMPL
   print(fmt::format("OMPL's RRT-Connect where that found a way: found within {} checks", kMostOfOmpl), of_ompl);
 #endif

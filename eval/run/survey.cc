@@ -112,12 +112,13 @@ std::vector<std::string> goal_warnings(const std::vector<const SuitePoint*>& poi
   return out;
 }
 
-/// Returns one sentence, with counts, per size of the errors with which objects are told to controllers that are larger
-/// than the room which the tool has at goals in `look`: there contact is a matter of chance, whatever the controller.
+/// Returns one sentence, with counts, per size of the errors of measured objects that exceeds the tool's room at goals
+/// in `look`. Contact is a matter of chance there, whatever the controller.
 std::vector<std::string> unsure_goals(const std::vector<const SuitePoint*>& points, const WorldLook& look) {
   std::vector<std::string> out;
   std::set<double> seen;
   for (const SuitePoint* point : points) {
+    if (point->disturbances.detection.seen_by == SeenBy::kDepth) continue;  // no object is told
     const PoseSensing& objects = point->disturbances.objects;
     const double error = std::hypot(objects.bias.position, objects.noise.position);
     const Within within(look, 0.0, error);
