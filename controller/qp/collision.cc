@@ -40,7 +40,10 @@ ProximityRanges CollisionRows::ranges() const noexcept {
   const auto range = [&](const DamperParams& p) {
     return params_.object.enabled && p.enabled && params_.max_pairs > 0 ? p.influence : -1.0;
   };
-  return {.object = range(params_.object), .floor = range(params_.floor), .self = range(params_.self)};
+  return {.object = range(params_.object),
+          .floor = range(params_.floor),
+          .self = range(params_.self),
+          .unseen = unseen_.influence};
 }
 
 void CollisionRows::keep_from_resting(double hand, double arm, double rate) noexcept {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "controller/qp/collision.h"
 #include "tests/controller/qp_robots.h"
 #include "tests/support/control_period.h"
 #include "tests/support/no_alloc.h"
@@ -333,13 +334,24 @@ TEST(BrakeCheck, FindsWithFewDistancesWhatItFindsWithAll) {
       const BrakeScene scene(model, rng);
       const BrakeCheckParams params{.enabled = true, .margin = trial % 3 == 0 ? 0.2 : 0.02, .every = 1 + trial % 4};
       BrakeCheck check = scene.check(params.margin, params.every, own);
-      const Observation o = still_objects(scene, rng);
+      check.keep_from_unseen(params.margin);
+      Observation o = still_objects(scene, rng);
+      for (std::size_t i = 0; i < o.objects.size(); i += 2) o.objects[i].seen = false;
       const VectorX u = near_velocity(scene, o.qdot, rng);
       Proximity proximity(model);
       proximity.set_objects(scene.shapes);
       kinematics.update(o.base, o.q);
-      const ProximityRanges ranges{0.3, 0.1, trial % 2 == 0 ? 0.1 : -1.0};
-      const auto near = proximity.query(kinematics, o.objects, ranges);
+      // What is known is what the rows keep: they leave out unseen space beyond its own influence.
+      CollisionParams dampers;
+      dampers.object.influence = 0.3;
+      dampers.floor.influence = dampers.self.influence = 0.1;
+      dampers.self.enabled = trial % 2 == 0;
+      CollisionRows rows(*model, dampers, {*model, scene.acceleration, true}, {{}, 0});
+      rows.keep_from_unseen({.influence = 0.15});
+      rows.allocate(static_cast<int>(scene.shapes.size()));
+      const ProximityRanges ranges = rows.ranges();
+      rows.select(proximity.query(kinematics, o.objects, ranges), o.objects);
+      const auto near = rows.sorted();
       const VectorX step = 10.0 * kPeriod * scene.acceleration;
       const VectorX lower = o.qdot - step, upper = o.qdot + step;
       const VectorX slowest = VectorX::Zero(o.qdot.size()).cwiseMax(lower).cwiseMin(upper);
