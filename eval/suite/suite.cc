@@ -104,7 +104,15 @@ class Draft {
 };
 
 std::string short_value(const Node& node) {
-  if (node.kind != Node::Kind::kScalar) return config::node_to_json(node).dump();
+  if (node.kind != Node::Kind::kScalar) {
+    // A column of a table has no room for a whole robot. The digest tells two of one name apart.
+    constexpr std::size_t kLongest = 60;
+    const Json value = config::node_to_json(node);
+    const std::string text = value.dump();
+    if (text.size() <= kLongest) return text;
+    const bool named = value.is_object() && value.contains("name") && value["name"].is_string();
+    return fmt::format("{}#{}", named ? value["name"].get<std::string>() : "", digest_hex(text).substr(0, 6));
+  }
   const bool file = node.scalar.ends_with(".yaml") || node.scalar.ends_with(".yml");
   return file ? fs::path(node.scalar).stem().string() : node.scalar;
 }

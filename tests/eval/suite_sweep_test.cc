@@ -157,6 +157,20 @@ TEST(Sweep, MayGoOverRobotsAndFiles) {
   EXPECT_EQ(suite.points[1].controller_params.k_epsilon, 2.0);
 }
 
+TEST(Sweep, RobotsThatStandInTheSuiteHaveShortNames) {
+  SuiteFolder folder;
+  const Suite suite =
+      load_suite(folder.suite("sweep: {points: [{robot: {include: robots/tiny.yaml, name: wide}}, "
+                              "{robot: {include: robots/tiny.yaml, name: wide, base: {max_linear: 0.3}}}]}\n",
+                              "{c: {}}"));
+  ASSERT_EQ(suite.points.size(), 2u);
+  for (const SuitePoint& point : suite.points) {
+    EXPECT_EQ(point.label.substr(0, 11), "robot=wide#") << point.label;
+    EXPECT_EQ(point.label.size(), 17u) << point.label;
+  }
+  EXPECT_NE(suite.points[0].label, suite.points[1].label);
+}
+
 TEST(Sweep, WrongKeysAreRefusedByName) {
   SuiteFolder folder;
   const auto refused = [&](const std::string& key) {
