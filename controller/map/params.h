@@ -25,7 +25,7 @@ constexpr void describe(auto& v, Of<EvidenceParams>) {
 /// Space that no sensor has seen: the robot stops in front of it, and ways lead around what is near.
 struct UnseenParams {
   bool enabled = false;
-  double start = 0.1;       ///< distance from the robot's first place up to which space counts as free [m]
+  double start = 0.15;      ///< distance from the robot's first place up to which space counts as free [m]
   double influence = 0.15;  ///< distance below which a pair has a row [m]
   double stop = 0.0;        ///< stop distance of these rows [m]
   double margin = 0.0;      ///< distance kept on the braking trajectory [m]

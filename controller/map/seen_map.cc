@@ -87,7 +87,8 @@ void SeenMap::reset() {
 void SeenMap::see(const DepthFrame& frame) noexcept {
   if (!on() || frame.sensor < 0 || frame.sensor >= static_cast<int>(sensors_.size())) return;
   Waiting& sensor = sensors_[static_cast<std::size_t>(frame.sensor)];
-  if (frame.ranges.size() != sensor.frame.ranges.size() || !std::isfinite(frame.time)) return;
+  if (frame.ranges.size() != sensor.frame.ranges.size()) return;
+  if (!std::isfinite(frame.time) || !std::isfinite(frame.turn)) return;
   sensor.frame = frame;
   sensor.waits = true;
 }
@@ -179,7 +180,7 @@ void SeenMap::take(Waiting& sensor) noexcept {
     });
   };
   place_robot(nearest(base_log_).base, nearest(joint_log_).q);
-  const Isometry X_WC = robot_.X_WL(sensor.mounted->link) * sensor.mounted->X_LC;
+  const Isometry X_WC = robot_.X_WL(sensor.mounted->link) * sensor.mounted->turned(sensor.frame.turn);
   const Vector3 from = X_WC.translation();
   const double range = sensor.mounted->sensor.range;
   if (!is_pose(X_WC)) return;
@@ -232,19 +233,20 @@ void SeenMap::free_near(const Shape& shape, const Isometry& X_WS, double margin,
           map_.take_for_free(c, surely);
 }
 
-// What counts as free as the robot starts: `start` around its shapes, and more around the box of its base, since no
-// sensor looks between the base, what stands on it, and the arm.
+// What counts as free as the robot starts: cells that lie within `start` of its shapes as a whole, and more around the
+// box of its base, since no sensor looks between the base, what stands on it, and the arm.
 void SeenMap::believe_start() noexcept {
   Eigen::AlignedBox3d body;
+  const double start = params_.unseen.start - 0.5 * std::sqrt(3.0) * map_.cell();
   for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) {
     const CollisionShape& shape = model_->shapes[i];
-    free_near(shape.shape, shapes_X_WS_[i], params_.unseen.start, false);
+    free_near(shape.shape, shapes_X_WS_[i], start, false);
     if (shape.rigid_with_base)
       body.extend(box_around(shape.shape, robot_.X_WB().inverse(Eigen::Isometry) * shapes_X_WS_[i]));
   }
   if (body.isEmpty()) return;
   const Isometry X_WO = robot_.X_WB() * Eigen::Translation3d(body.center());
-  free_near({ShapeKind::kBox, body.sizes(), nullptr}, X_WO, std::max(kBeside, params_.unseen.start), false);
+  free_near({ShapeKind::kBox, body.sizes(), nullptr}, X_WO, kBeside, false);
 }
 
 // The cells above a rectangle of the floor, up to a height.

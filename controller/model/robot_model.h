@@ -117,7 +117,14 @@ struct SelfPair {
 struct MountedSensor {
   Sensor sensor;
   int link = 0;
-  Isometry X_LC = Isometry::Identity();
+  Isometry X_LC = Isometry::Identity();  ///< without a turn
+
+  /// Returns X_LC of a sensor that has turned about z_L [rad]. Its place stays.
+  Isometry turned(double turn) const noexcept {
+    Isometry X = X_LC;
+    if (turn != 0.0) X.linear() = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix() * X_LC.linear();
+    return X;
+  }
 };
 
 /// Immutable once built: share it as std::shared_ptr<const RobotModel> among threads. Configuration: base (x, y, phi)

@@ -68,10 +68,10 @@ TEST(Suite, ToldByDepthNeedsSensorsAndAMap) {
       all += warning + "\n";
     return all;
   };
-  EXPECT_NE(warnings("0.05").find("space 0.1 m about the start counts as free, and worlds.start_room promises 0.05 m"),
+  EXPECT_NE(warnings("0.05").find("space 0.15 m about the start counts as free, and worlds.start_room promises 0.05 m"),
             std::string::npos)
       << warnings("0.05");
-  EXPECT_EQ(warnings("0.1").find("start_room"), std::string::npos) << warnings("0.1");
+  EXPECT_EQ(warnings("0.15").find("start_room"), std::string::npos) << warnings("0.15");
 }
 
 TEST(Suite, RefusesWhatIsWrongAndSaysWhere) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "controller/config/controller_file.h"
 #include "controller/controller_core.h"
@@ -49,11 +50,12 @@ struct Witness final : StepController {
 
 /// A robot that stands among the room's objects, its sensors, and what is made of them.
 struct Rig {
-  explicit Rig(const Disturbances& disturbances = {}, const World& world = room())
-      : states(states_of(world)), q(robot_with_cameras()->ready) {
+  explicit Rig(const Disturbances& disturbances = {}, const World& world = room(),
+               const std::shared_ptr<const RobotModel>& model = robot_with_cameras())
+      : states(states_of(world)), q(model->ready) {
     std::vector<Shape> shapes;
     for (const WorldObject& object : world.objects) shapes.push_back(object.shape);
-    sensing.emplace(disturbances, *robot_with_cameras(), shapes, DisturbanceStreams(world, 0), kStep);
+    sensing.emplace(disturbances, *model, shapes, DisturbanceStreams(world, 0), kStep);
   }
   std::vector<DepthFrame> frames(long k) {
     sensing->sense(k, base, q, states);
@@ -251,6 +253,49 @@ TEST(SeenMap, AFrameCountsFromWhereTheRobotWas) {
   EXPECT_GT(boxes, 10);
 }
 
+// A narrow camera that looks between two objects sees both as it turns to and fro, and sees them where they stand.
+TEST(SeenMap, ASensorThatTurnsSeesToItsSides) {
+  const World world = room();
+  for (const double reach : {0.0, 1.1}) {
+    auto model = std::make_shared<RobotModel>(*robot_with_cameras());
+    MountedSensor& camera = model->sensors[0];
+    model->sensors.resize(1);
+    camera.sensor.field_of_view = {0.4, 1.2};
+    camera.sensor.sweep = {reach, 2.0};
+    camera.X_LC.linear() = Eigen::AngleAxisd(0.9, Vector3::UnitZ()) * camera.X_LC.linear();
+    Rig rig({}, world, model);
+    MapParams params = with_map().map;
+    params.unseen.enabled = false;
+    SeenMap map(model, params, 0.0, 0.0);
+    double least_turn = 0.0, most_turn = 0.0;
+    for (long k = 0; k < 150; ++k) {
+      for (const DepthFrame& frame : rig.frames(k)) {
+        EXPECT_NEAR(frame.turn, reach * std::sin(std::numbers::pi * frame.time), 1e-12);
+        least_turn = std::min(least_turn, frame.turn);
+        most_turn = std::max(most_turn, frame.turn);
+        map.see(frame);
+      }
+      map.observe(seen_by(rig, k));
+    }
+    EXPECT_NEAR(most_turn, reach, 0.1);
+    EXPECT_NEAR(least_turn, -reach, 0.1);
+    std::vector<int> near(world.objects.size(), 0);
+    for (const ObjectState& state : map.states()) {
+      if (!state.visible) continue;
+      double least = kInfinity;
+      for (std::size_t o = 0; o < near.size(); ++o) {
+        const Shape box{ShapeKind::kBox, state.box, nullptr};
+        const double d = shape_distance(box, state.X_WO, world.objects[o].shape, rig.states[o].X_WO).d;
+        least = std::min(least, d);
+        near[o] += d <= 0.02 ? 1 : 0;
+      }
+      EXPECT_LT(least, 0.05) << "at " << state.X_WO.translation().transpose();
+    }
+    EXPECT_EQ(near[0] > 1, reach > 0.0) << "the box, 0.8 rad to the right";
+    EXPECT_EQ(near[1] > 1, reach > 0.0) << "the ball, 1.1 rad to the left";
+  }
+}
+
 TEST(SeenMap, WhatGoesIsForgottenAndWhatIsHiddenIsKept) {
   Rig rig;
   MapParams params = with_map().map;
@@ -366,6 +411,7 @@ TEST(SeenMap, AtTheStartLittleCountsAsFree) {
   SeenMap map(robot_with_cameras(), params, 0.0, 0.0);
   see_nothing(map, rig);
   const OccupancyMap& cells = map.map();
+  const double whole = params.unseen.start - 0.5 * std::sqrt(3.0) * cells.cell();  // no corner is farther away
   int free = 0, far = 0, missed = 0;
   Eigen::Vector3i c;
   for (c.x() = 0; c.x() < cells.cells().x(); ++c.x())
@@ -378,9 +424,9 @@ TEST(SeenMap, AtTheStartLittleCountsAsFree) {
         const double gap = gap_to_robot(rig, middle);
         if (!cells.unseen(c)) {
           ++free;
-          far += gap > params.unseen.start && !beside ? 1 : 0;
+          far += gap > whole && !beside ? 1 : 0;
         } else {
-          missed += gap < params.unseen.start - 0.002 ? 1 : 0;
+          missed += gap < whole - 0.002 ? 1 : 0;
         }
       }
   EXPECT_GT(free, 1000);
