@@ -1,7 +1,6 @@
 #include "controller/config/mesh_hull.h"
 
-#include <coal/BVH/BVH_model.h>
-#include <coal/mesh_loader/loader.h>
+#include <coal/mesh_loader/assimp.h>
 
 #include <algorithm>
 #include <cctype>
@@ -84,29 +83,28 @@ std::string reason_in(const std::string& words) {
 }  // namespace
 
 Mesh read_mesh(const fs::path& file, const Vector3& scale) {
-  coal::BVHModelPtr_t loaded;
+  coal::internal::TriangleAndVertices loaded;  // MeshLoader would make a tree of boxes of them
   try {
     const double unit = check_mesh(file);
-    loaded = coal::MeshLoader(coal::BV_AABB).load(file.string(), unit * scale);
+    coal::internal::Loader loader;
+    loader.load(file.string());
+    coal::internal::buildMesh(unit * scale, loader.scene, 0, loaded);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {
     throw std::runtime_error("the mesh " + file.string() + " cannot be read: " + reason_in(e.what()));
   }
-  if (!loaded || !loaded->vertices || loaded->num_vertices == 0)
-    throw std::runtime_error("the mesh " + file.string() + " has no vertices");
-  if (loaded->num_vertices > kMaxMeshVertices) {
+  Mesh mesh;
+  mesh.vertices = std::move(loaded.vertices_);
+  if (mesh.vertices.empty()) throw std::runtime_error("the mesh " + file.string() + " has no vertices");
+  if (mesh.vertices.size() > kMaxMeshVertices) {
     throw std::runtime_error("the mesh " + file.string() + " has more than " + std::to_string(kMaxMeshVertices) +
                              " vertices");
   }
-  Mesh mesh;
-  mesh.vertices.assign(loaded->vertices->begin(), loaded->vertices->begin() + loaded->num_vertices);
   for (const Vector3& p : mesh.vertices)
     if (!p.allFinite()) throw std::runtime_error("the mesh " + file.string() + " has vertices that are not finite");
-  for (unsigned i = 0; loaded->tri_indices && i < loaded->num_tris; ++i) {
-    const coal::Triangle& t = (*loaded->tri_indices)[i];
+  for (const coal::Triangle& t : loaded.triangles_)
     mesh.triangles.emplace_back(static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2]));
-  }
   return mesh;
 }
 
