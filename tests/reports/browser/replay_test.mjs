@@ -377,11 +377,8 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
   // Collision rows are the controller's own: the stored least distance and number of active constraints are theirs, and so is
   // what `moma solve` says of the same step.
   const { points: [{ control_period_s: period }] } = dataOf(html);
-  const solved = (trial, t) => {
-    const file = join(work, 'step.json');
-    execFileSync(moma, ['replay', join(work, `${name}.db`), trial, '--force', '--case', file, '--step', String(Math.round(t / period))], { stdio: 'pipe' });
-    return JSON.parse(execFileSync(moma, ['solve', file], { maxBuffer: 1 << 26, stdio: 'pipe' }));
-  };
+  const solved = (trial, t) => JSON.parse(execFileSync(moma, ['solve', join(work, `${name}.db`), trial, '--step', String(Math.round(t / period))],
+    { maxBuffer: 1 << 26, stdio: 'pipe' }));
   let [seen, active] = [0, 0];
   for (const [i, replay] of dataOf(html).replays.entries()) {
     const [times, least, rows, fallback] = ['t', 'least_distance', 'active_rows', 'fallback'].map((column_) => column(replay, column_));
