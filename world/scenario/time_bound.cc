@@ -105,16 +105,19 @@ class Search {
     return rest_to_rest(std::abs(x[bases_ + i] - start_[bases_ + i]), joints_[static_cast<std::size_t>(i)]);
   }
 
-  double time(const VectorX& x) const noexcept {
-    double longest = bases_ > 0 ? driving_time(x) : 0.0;
-    for (int i = 0; i < model_.num_joints(); ++i) longest = std::max(longest, joint_time(x, i));
-    return longest;
+  // Times of the base, if it moves, and of each joint at x, into times_. Returns the longest.
+  double time(const VectorX& x) noexcept {
+    times_.clear();
+    if (bases_ > 0) times_.push_back(driving_time(x));
+    for (int i = 0; i < model_.num_joints(); ++i) times_.push_back(joint_time(x, i));
+    return *std::max_element(times_.begin(), times_.end());
   }
 
-  // Gradient of (sum t^p)^(1/p) over base and joints, by differences of the single times.
-  void gradient(VectorX& x, VectorX& out) const noexcept {
+  // Gradient of (sum t^p)^(1/p) over base and joints, by differences of the single times, of which times_ has those at
+  // x and `now` is the longest.
+  void gradient(VectorX& x, double now, VectorX& out) const noexcept {
     constexpr double kStep = 1e-6;
-    const double longest = std::max(time(x), 1e-9);
+    const double longest = std::max(now, 1e-9);
     double sum = 0.0;
     const auto add = [&](double t, Eigen::Index first, Eigen::Index count, const auto& time_of) {
       const double weight = std::pow(t / longest, kPower - 1.0);
@@ -126,9 +129,9 @@ class Search {
         x[at] = was;
       }
     };
-    if (bases_ > 0) add(driving_time(x), 0, 3, [&] { return driving_time(x); });
-    for (Eigen::Index i = 0; i < model_.num_joints(); ++i)
-      add(joint_time(x, i), bases_ + i, 1, [&] { return joint_time(x, i); });
+    auto t = times_.begin();
+    if (bases_ > 0) add(*t++, 0, 3, [&] { return driving_time(x); });
+    for (Eigen::Index i = 0; i < model_.num_joints(); ++i) add(*t++, bases_ + i, 1, [&] { return joint_time(x, i); });
     out *= std::pow(sum, 1.0 / kPower - 1.0);
   }
 
@@ -170,7 +173,7 @@ class Search {
       } else {
         J = kinematics_.J_WE_W();
       }
-      if (near) gradient(x, slope);
+      if (near) gradient(x, now, slope);
       free = metric_;
       // A joint that would leave its range stops at the limit, and the others make up for it.
       for (int pass = 0; pass < 2; ++pass) {
@@ -210,6 +213,7 @@ class Search {
   RampLimits linear_, angular_;
   std::vector<RampLimits> joints_;
   VectorX lower_, upper_, metric_, start_;
+  std::vector<double> times_;
   TimeBound best_;
 };
 
