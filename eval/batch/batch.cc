@@ -7,6 +7,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <new>
@@ -177,10 +178,13 @@ BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_
   if (options.profile) profile.emplace(TrialPart::kWorld);
   ProfileClock* const clock = profile ? &*profile : nullptr;
   try {
-    result.world =
-        options.world
-            ? options.world(point, job.world)
-            : std::make_shared<const World>(point.worlds.make(point.robot->model, job.world, nullptr, job.moves));
+    if (options.world) {
+      result.world = options.world(point, job.world);
+    } else {
+      World world = point.worlds.make(point.robot->model, job.world, nullptr, job.moves);
+      if (!options.time_bound) world.time_bound = std::numeric_limits<double>::infinity();
+      result.world = std::make_shared<const World>(std::move(world));
+    }
     if (result.world == nullptr) throw std::runtime_error(fmt::format("there is no world {}", job.world));
     result.output = run_trial(point, *result.world, options.parts, clock);
     if (options.finish) options.finish(point, result);

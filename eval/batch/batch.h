@@ -96,8 +96,9 @@ struct BatchOptions {
   /// Source of worlds, by default point.worlds.make(); called from many threads. Searches that meet the same worlds
   /// thousands of times use a cache here.
   std::function<std::shared_ptr<const World>(const SuitePoint&, std::uint64_t)> world;
-  TrialParts parts;      ///< replacements for plants or controllers
-  bool profile = false;  ///< fill BatchResult::profile
+  bool time_bound = true;  ///< compute time_bound_s, and what follows from it, in worlds that are made here
+  TrialParts parts;        ///< replacements for plants or controllers
+  bool profile = false;    ///< fill BatchResult::profile
   /// Called with each result in the thread that computed it, before delivery.
   std::function<void(const SuitePoint&, BatchResult&)> finish;
   RemoteCompute* remote = nullptr;  ///< computes beside the threads, which are then one more than `threads`

@@ -105,7 +105,7 @@ Broken break_suite(const BreakRequest& request, const Suite& suite, const RareEv
         Breaker{request, suite, event, listener, trials, out, point, family}.search();
     out.trials = trials.counts().computed + trials.counts().reused;
   };
-  out.end = with_moved_trials(request, suite, listener, work, out.stopped);
+  out.end = with_moved_trials(request, suite, event.level(), listener, work, out.stopped);
   const bool one_robot = std::ranges::all_of(
       suite.points, [&](const SuitePoint& point) { return point.robot == suite.points.front().robot; });
   if (out.end != End::kFinished || out.failures.empty() || request.file.empty() || !one_robot) return out;

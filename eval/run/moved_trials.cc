@@ -67,6 +67,7 @@ std::vector<TrialRow> MovedTrials::rows(std::size_t point, std::span<const Moved
   batch.stop = request_.stop;
   batch.remote = request_.cluster;
   if (progress) batch.progress = listener_.progress;
+  batch.time_bound = time_bound_;
   batch.finish = [](const SuitePoint&, BatchResult& result) { Trace().swap(result.output.trace); };
   std::optional<MovedSource> source;
   if (writer_ != nullptr) source.emplace(*writer_);
@@ -79,7 +80,7 @@ void MovedTrials::keep(const Json& estimates) {
   if (writer_ != nullptr) writer_->keep_risk(estimates.dump());
 }
 
-End with_moved_trials(const Request& request, const Suite& suite, const Listener& listener,
+End with_moved_trials(const Request& request, const Suite& suite, std::string_view level, const Listener& listener,
                       const std::function<void(MovedTrials&)>& work, std::string& stopped) {
   if (request.cluster != nullptr) {
     Json alone = suite.resolved;  // without what of a trial is not kept here
@@ -103,7 +104,7 @@ End with_moved_trials(const Request& request, const Suite& suite, const Listener
     writer->begin(record, {request.arguments, threads_of(request)}, {});
   }
   try {
-    MovedTrials trials(suite, writer ? &*writer : nullptr, request, listener);
+    MovedTrials trials(suite, writer ? &*writer : nullptr, level, request, listener);
     work(trials);
     listener.note(
         fmt::format("{} trials computed, {} taken from the store", trials.counts().computed, trials.counts().reused));

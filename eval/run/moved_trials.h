@@ -32,9 +32,15 @@ void check_drawn(const Suite& suite, std::string_view command);
 /// not computed. New ones are stored without samples, except errors.
 class MovedTrials {
  public:
-  /// `writer`, after its begin(), may be null. All arguments must outlive this object.
-  MovedTrials(const Suite& suite, store::Writer* writer, const Request& request, const Listener& listener)
-      : suite_(suite), writer_(writer), request_(request), listener_(listener) {}
+  /// `writer`, after its begin(), may be null; without it rows may lack time bounds unless `level`, the metric that is
+  /// looked at, is one of them: they take half of a short trial. The other arguments must outlive this object.
+  MovedTrials(const Suite& suite, store::Writer* writer, std::string_view level, const Request& request,
+              const Listener& listener)
+      : suite_(suite),
+        writer_(writer),
+        time_bound_(writer != nullptr || level.find("bound") != std::string_view::npos),
+        request_(request),
+        listener_(listener) {}
 
   /// Returns rows in the order of `worlds`, the same for any number of threads. `progress`: notifies the listener after
   /// each trial. Throws Interrupted, store::StoreError.
@@ -48,14 +54,16 @@ class MovedTrials {
  private:
   const Suite& suite_;
   store::Writer* writer_;
+  bool time_bound_;
   const Request& request_;
   const Listener& listener_;
   TrialCounts counts_;
 };
 
-/// Calls `work` with the trials of a suite under the store's lock; without a file no trial is stored. `stopped`: if not
-/// finished, the saved work and the command to go on. Throws store::StoreError and the exceptions of `work`.
-End with_moved_trials(const Request& request, const Suite& suite, const Listener& listener,
+/// Calls `work` with the trials of a suite under the store's lock; without a file no trial is stored. `level`: the
+/// metric that `work` looks at. `stopped`: if not finished, the saved work and the command to go on. Throws
+/// store::StoreError and the exceptions of `work`.
+End with_moved_trials(const Request& request, const Suite& suite, std::string_view level, const Listener& listener,
                       const std::function<void(MovedTrials&)>& work, std::string& stopped);
 
 }  // namespace moma::run

@@ -351,7 +351,7 @@ Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEve
   check_drawn(suite, "risk");
   Risk risk;
   risk.end = with_moved_trials(
-      request, suite, listener,
+      request, suite, event.level(), listener,
       [&](MovedTrials& trials) {
         RiskRun run{request, suite, event, listener, trials};
         for (std::size_t p = 0; p < suite.points.size(); ++p) run.point(p, risk);
