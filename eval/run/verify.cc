@@ -252,7 +252,7 @@ class Verifier {
       ++found_.missing[column];
     if (!drawn) found.lines.push_back("its world is not the one that its suite draws");
     try {
-      if (const auto samples = reader_.trial(job.key).samples) {
+      if (const auto samples = reader_.samples(job.key)) {
         ++samples_compared_;
         const std::vector<std::string> differ = differing_columns(*samples, result.output.trace);
         if (!differ.empty()) found.lines.push_back(fmt::format("samples: {} differ", fmt::join(differ, ", ")));

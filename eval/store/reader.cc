@@ -57,23 +57,31 @@ std::string Reader::full_key(const std::string& prefix) const {
 StoredTrial Reader::trial(const std::string& prefix) const {
   return guarded([&] {
     const std::string key = full_key(prefix);
-    const Hash hash = hash_from_hex(key);
-    const std::set<std::string> there = stored_columns(db(), "trial");
-    auto found = rows_as<StoredTrial, std::string, std::string, std::string, std::string, std::string, std::size_t,
-                         std::uint64_t, std::string, std::string, int, TrialRow>(
-        db(),
-        fmt::format("SELECT lower(hex(t.key)), s.name, p.controller, p.label, r.resolved, p.resolved_position, "
-                    "w.world_index, w.json, coalesce(i.machine_class, ''), p.simulation_version, {} "
-                    "FROM trial AS t JOIN world AS w ON w.id = t.world_id "
-                    "JOIN point_trial AS m ON m.key = t.key JOIN point AS p ON p.id = m.point_id "
-                    "JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r ON r.id = p.resolved_suite_id "
-                    "LEFT JOIN execution AS e ON e.key = t.key "
-                    "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ? ORDER BY p.id LIMIT 1",
-                    column_names<TrialRow>("t.", &there)),
-        hash);
-    if (found.empty()) throw not_found(file_, fmt::format("trial {} belongs to no suite", key));
-    found[0].samples = store::Table<EncodedSamples>(db(), "samples", {"key"}).find(hash);
-    return std::move(found[0]);
+    std::optional<SQLite::Statement>& s = trial_;
+    if (!s) {
+      const std::set<std::string> there = stored_columns(db(), "trial");
+      s.emplace(db(), fmt::format(
+                          "SELECT lower(hex(t.key)), s.name, p.controller, p.label, r.resolved, p.resolved_position, "
+                          "w.world_index, w.json, coalesce(i.machine_class, ''), p.simulation_version, {} "
+                          "FROM trial AS t JOIN world AS w ON w.id = t.world_id "
+                          "JOIN point_trial AS m ON m.key = t.key JOIN point AS p ON p.id = m.point_id "
+                          "JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r ON r.id = p.resolved_suite_id "
+                          "LEFT JOIN execution AS e ON e.key = t.key "
+                          "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ? ORDER BY p.id LIMIT 1",
+                          column_names<TrialRow>("t.", &there)));
+    }
+    auto found = row_as<StoredTrial, std::string, std::string, std::string, std::string, std::string, std::size_t,
+                        std::uint64_t, std::string, std::string, int, TrialRow>(*s, hash_from_hex(key));
+    if (!found) throw not_found(file_, fmt::format("trial {} belongs to no suite", key));
+    found->samples = samples(key);
+    return *std::move(found);
+  });
+}
+
+std::optional<EncodedSamples> Reader::samples(const std::string& key) const {
+  return guarded([&] {
+    if (!samples_) samples_.emplace(db(), "SELECT " + column_names<EncodedSamples>() + " FROM samples WHERE key = ?");
+    return row<EncodedSamples>(*samples_, hash_from_hex(key));
   });
 }
 

@@ -71,6 +71,8 @@ class Reader {
 
   /// The trial whose key begins with `prefix` (hex digits, any case). Throws kNotFound if none or several do.
   StoredTrial trial(const std::string& prefix) const;
+  /// Samples of the trial with this key (32 hex digits), if they are there.
+  std::optional<EncodedSamples> samples(const std::string& key) const;
   /// Keys of all trials that belong to a point, in order of the key.
   std::vector<std::string> keys() const;
   /// The suite shown as `name`, resolved for its latest invocation, JSON. Throws kNotFound with the names.
@@ -115,7 +117,7 @@ class Reader {
 
   fs::path file_;
   mutable ReadConnection connection_;
-  mutable std::optional<SQLite::Statement> lone_;  ///< of lone_trial(), which is asked often
+  mutable std::optional<SQLite::Statement> trial_, samples_, lone_;  ///< of what is asked often
 };
 
 }  // namespace moma::store

@@ -178,14 +178,19 @@ std::vector<typename field::Row<T...>::type> rows(SQLite::Database& db, const st
   return rows_as<typename field::Row<T...>::type, T...>(db, sql, values...);
 }
 
-/// The first row, if any. Resets the statement, since an open one keeps its snapshot past a commit.
-template <class... T, class... A>
-std::optional<typename field::Row<T...>::type> row(SQLite::Statement& s, const A&... values) {
+/// The first row, if any, as R{T...}. Resets the statement, since an open one keeps its snapshot past a commit.
+template <class R, class... T, class... A>
+std::optional<R> row_as(SQLite::Statement& s, const A&... values) {
   bind_all(s, values...);
-  std::optional<typename field::Row<T...>::type> first;
-  if (s.executeStep()) first = field::read_row<typename field::Row<T...>::type, T...>(s);
+  std::optional<R> first;
+  if (s.executeStep()) first = field::read_row<R, T...>(s);
   s.reset();
   return first;
+}
+/// The same, as a tuple of several T or as one T.
+template <class... T, class... A>
+std::optional<typename field::Row<T...>::type> row(SQLite::Statement& s, const A&... values) {
+  return row_as<typename field::Row<T...>::type, T...>(s, values...);
 }
 template <class... T, class... A>
 std::optional<typename field::Row<T...>::type> row(SQLite::Database& db, const std::string& sql, const A&... values) {
