@@ -32,6 +32,7 @@ struct Proximity::Impl {
   std::vector<bool> stands;  // of the robot: no pair with the floor
   std::vector<Solid> objects;
   std::optional<ConvexDistance> convex;                                  // sized by set_objects()
+  int vertices = 0;                                                      // for which it has room
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> robot_X_WS;  // the shapes' frames in the world
   struct Around {
     Eigen::AlignedBox3d box;
@@ -164,7 +165,10 @@ void Proximity::set_objects(std::span<const ObjectShape> objects) {
   int vertices = 0;
   for (const auto* solids : {&impl.robot, &impl.objects})
     for (const Solid& solid : *solids) vertices = std::max(vertices, hull_vertices(solid.shape));
-  impl.convex.emplace(vertices);
+  if (!impl.convex || vertices > impl.vertices) {
+    impl.convex.emplace(vertices);
+    impl.vertices = vertices;
+  }
   impl.held = {};
   for (auto* list : {&impl.around, &impl.near}) {
     list->clear();

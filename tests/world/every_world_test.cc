@@ -51,12 +51,13 @@ TEST_P(EveryWorld, IsSolvedByItsWitness) {
   const Worlds source = worlds(fmt::format("seed: 77\nfamilies: {{{}}}", param.family));
   if (is_for_others(source, model)) return;
   WorldProof proof(model);
+  const double clearance = at_witness(source);
   const int count = wanted(param.worlds);
   std::size_t objects = 0;
   for (int i = 0; i < count; ++i) {
     const World world = source.make(model, static_cast<std::uint64_t>(i));
     objects += world.objects.size();
-    proof.check(world, source.clearance(), kHorizon, kProofStep, at_witness(source));
+    proof.check(world, source.clearance(), kHorizon, kProofStep, clearance);
     EXPECT_EQ(world.family, name_of(param.family));
     EXPECT_EQ(world.robot, model->name);
     EXPECT_EQ(world.difficulty.objects, static_cast<int>(world.objects.size()));
