@@ -44,7 +44,7 @@ struct Observation {
 struct DepthFrame {
   int sensor = 0;     ///< index into RobotModel::sensors
   double time = 0.0;  ///< at which it was taken, by the clock of Observation::time [s]
-  double turn = 0.0;  ///< of the sensor about the z axis of its link at that time, as measured [rad]
+  double pan = 0.0;   ///< angle of the sensor about the z axis of its link at that time, as measured [rad]
   VectorX ranges;     ///< [m]
 };
 

@@ -88,7 +88,7 @@ void SeenMap::see(const DepthFrame& frame) noexcept {
   if (!on() || frame.sensor < 0 || frame.sensor >= static_cast<int>(sensors_.size())) return;
   Waiting& sensor = sensors_[static_cast<std::size_t>(frame.sensor)];
   if (frame.ranges.size() != sensor.frame.ranges.size()) return;
-  if (!std::isfinite(frame.time) || !std::isfinite(frame.turn)) return;
+  if (!std::isfinite(frame.time) || !std::isfinite(frame.pan)) return;
   sensor.frame = frame;
   sensor.waits = true;
 }
@@ -180,7 +180,7 @@ void SeenMap::take(Waiting& sensor) noexcept {
     });
   };
   place_robot(nearest(base_log_).base, nearest(joint_log_).q);
-  const Isometry X_WC = robot_.X_WL(sensor.mounted->link) * sensor.mounted->turned(sensor.frame.turn);
+  const Isometry X_WC = robot_.X_WL(sensor.mounted->link) * sensor.mounted->panned(sensor.frame.pan);
   const Vector3 from = X_WC.translation();
   const double range = sensor.mounted->sensor.range;
   if (!is_pose(X_WC)) return;

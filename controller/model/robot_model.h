@@ -117,12 +117,12 @@ struct SelfPair {
 struct MountedSensor {
   Sensor sensor;
   int link = 0;
-  Isometry X_LC = Isometry::Identity();  ///< without a turn
+  Isometry X_LC = Isometry::Identity();  ///< at a pan angle of 0
 
-  /// Returns X_LC of a sensor that has turned about z_L [rad]. Its place stays.
-  Isometry turned(double turn) const noexcept {
+  /// Returns X_LC at a pan angle about z_L [rad]. The sensor's place stays.
+  Isometry panned(double angle) const noexcept {
     Isometry X = X_LC;
-    if (turn != 0.0) X.linear() = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix() * X_LC.linear();
+    if (angle != 0.0) X.linear() = Eigen::AngleAxisd(angle, Vector3::UnitZ()).toRotationMatrix() * X_LC.linear();
     return X;
   }
 };

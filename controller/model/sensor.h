@@ -10,19 +10,18 @@
 
 namespace moma {
 
-/// A sensor that turns to and fro about the z axis of its link, by reach sin(2 pi t / period): a head that pans, a
-/// scanner that nods.
-struct Sweep {
+/// Motion of a sensor to and fro about the z axis of its link: reach sin(2 pi t / period).
+struct Pan {
   double reach = 0.0;   ///< to either side [rad]; 0: the sensor is fixed
   double period = 3.0;  ///< [s]
 
-  double turn(double time) const noexcept { return reach * std::sin(2.0 * std::numbers::pi * time / period); }
+  double angle(double time) const noexcept { return reach * std::sin(2.0 * std::numbers::pi * time / period); }
 };
 
-constexpr void describe(auto& v, Of<Sweep>) {
-  v.member("reach", &Sweep::reach,
+constexpr void describe(auto& v, Of<Pan>) {
+  v.member("reach", &Pan::reach,
            in_range({0.0, std::numbers::pi}, "rad", "turn to either side about the z axis of the link; 0: fixed"));
-  v.member("period", &Sweep::period, in_range({0.1, 100.0}, "s", "time of one turn to and fro"));
+  v.member("period", &Pan::period, in_range({0.1, 100.0}, "s", "time of one turn to and fro"));
 }
 
 /// A depth camera or a scanner of the robot: a grid of rays from the origin of its frame C, evenly spaced in azimuth
@@ -38,7 +37,7 @@ struct Sensor {
   int rows = 60;
   double range = 3.0;  ///< [m]
   double rate = 10.0;  ///< frames in a second [1/s]
-  Sweep sweep;
+  Pan pan;
 };
 
 /// Bounds time and memory of a frame.
@@ -58,7 +57,7 @@ constexpr void describe(auto& v, Of<Sensor>) {
            in_range({1.0, 10'000.0}, "", "number of rays along the elevation; 1 for a planar scanner"));
   v.member("range", &S::range, positive("m", "range of each ray"));
   v.member("rate", &S::rate, in_range({0.1, 10'000.0}, "1/s", "frames per second"));
-  v.member("sweep", &S::sweep, unless_default({.text = "turns to and fro about the z axis of the link"}));
+  v.member("pan", &S::pan, unless_default({.text = "motion to and fro about the z axis of the link"}));
 }
 
 }  // namespace moma

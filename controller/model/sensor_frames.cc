@@ -197,13 +197,13 @@ void SensorFrames::look(long k, const Kinematics& robot, std::span<const ObjectS
     One& one = sensors_[static_cast<std::size_t>(i)];
     one.due = is_due(i, k);
     if (!one.due) continue;
-    one.turn = one.mounted->sensor.sweep.turn(static_cast<double>(k) * dt_);
+    one.pan = one.mounted->sensor.pan.angle(static_cast<double>(k) * dt_);
     take(one, robot, objects);
   }
 }
 
 void SensorFrames::take(One& one, const Kinematics& robot, std::span<const ObjectState> objects) noexcept {
-  const Isometry X_WC = robot.X_WL(one.mounted->link) * one.mounted->turned(one.turn);
+  const Isometry X_WC = robot.X_WL(one.mounted->link) * one.mounted->panned(one.pan);
   one.p_W = X_WC.translation();
   one.view.begin(X_WC);
   for (std::size_t i = 0; i < shapes_.size(); ++i)

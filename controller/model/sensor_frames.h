@@ -77,8 +77,8 @@ class SensorFrames {
   int rays_on(std::size_t object) const noexcept;
   /// The sensor's latest frame.
   const RayView& view(int sensor) const noexcept { return at(sensor).view; }
-  /// Turn of the sensor in its latest frame (Sweep) [rad].
-  double turn(int sensor) const noexcept { return at(sensor).turn; }
+  /// Pan angle of the sensor in its latest frame [rad].
+  double pan(int sensor) const noexcept { return at(sensor).pan; }
   /// Position of the sensor in its latest frame.
   const Vector3& place_W(int sensor) const noexcept { return at(sensor).p_W; }
 
@@ -88,7 +88,7 @@ class SensorFrames {
     RayView view;
     long every;  // control periods between frames
     bool due = false;
-    double turn = 0.0;
+    double pan = 0.0;
     Vector3 p_W = Vector3::Zero();
     std::vector<int> hits;
   };

@@ -210,15 +210,15 @@ QueryResult link_table(const RobotModel& model) {
 }
 
 QueryResult sensor_table(const RobotModel& model) {
-  QueryResult table{{"sensor", "link", "position m", "looks along", "view rad", "rays", "range m", "frames/s", "turns"},
+  QueryResult table{{"sensor", "link", "position m", "looks along", "view rad", "rays", "range m", "frames/s", "pans"},
                     {}};
   for (const MountedSensor& mounted : model.sensors) {
     const Sensor& s = mounted.sensor;
-    table.rows.push_back(
-        {s.name, model.link(mounted.link).name, vector_text(s.position), vector_text(mounted.X_LC.linear().col(0)),
-         fmt::format("{:.4g} x {:.4g}", s.field_of_view[0], s.field_of_view[1]),
-         fmt::format("{} x {}", s.columns, s.rows), s.range, s.rate,
-         s.sweep.reach > 0.0 ? fmt::format("+-{:.4g} rad in {:.4g} s", s.sweep.reach, s.sweep.period) : ""});
+    table.rows.push_back({s.name, model.link(mounted.link).name, vector_text(s.position),
+                          vector_text(mounted.X_LC.linear().col(0)),
+                          fmt::format("{:.4g} x {:.4g}", s.field_of_view[0], s.field_of_view[1]),
+                          fmt::format("{} x {}", s.columns, s.rows), s.range, s.rate,
+                          s.pan.reach > 0.0 ? fmt::format("+-{:.4g} rad in {:.4g} s", s.pan.reach, s.pan.period) : ""});
   }
   return table;
 }

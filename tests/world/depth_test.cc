@@ -253,32 +253,32 @@ TEST(SeenMap, AFrameCountsFromWhereTheRobotWas) {
   EXPECT_GT(boxes, 10);
 }
 
-// A narrow camera that looks between two objects sees both as it turns to and fro, and sees them where they stand.
-TEST(SeenMap, ASensorThatTurnsSeesToItsSides) {
+// A narrow camera that looks between two objects sees both as it pans, and sees them where they stand.
+TEST(SeenMap, ASensorThatPansSeesToItsSides) {
   const World world = room();
   for (const double reach : {0.0, 1.1}) {
     auto model = std::make_shared<RobotModel>(*robot_with_cameras());
     MountedSensor& camera = model->sensors[0];
     model->sensors.resize(1);
     camera.sensor.field_of_view = {0.4, 1.2};
-    camera.sensor.sweep = {reach, 2.0};
+    camera.sensor.pan = {reach, 2.0};
     camera.X_LC.linear() = Eigen::AngleAxisd(0.9, Vector3::UnitZ()) * camera.X_LC.linear();
     Rig rig({}, world, model);
     MapParams params = with_map().map;
     params.unseen.enabled = false;
     SeenMap map(model, params, 0.0, 0.0);
-    double least_turn = 0.0, most_turn = 0.0;
+    double least_pan = 0.0, most_pan = 0.0;
     for (long k = 0; k < 150; ++k) {
       for (const DepthFrame& frame : rig.frames(k)) {
-        EXPECT_NEAR(frame.turn, reach * std::sin(std::numbers::pi * frame.time), 1e-12);
-        least_turn = std::min(least_turn, frame.turn);
-        most_turn = std::max(most_turn, frame.turn);
+        EXPECT_NEAR(frame.pan, reach * std::sin(std::numbers::pi * frame.time), 1e-12);
+        least_pan = std::min(least_pan, frame.pan);
+        most_pan = std::max(most_pan, frame.pan);
         map.see(frame);
       }
       map.observe(seen_by(rig, k));
     }
-    EXPECT_NEAR(most_turn, reach, 0.1);
-    EXPECT_NEAR(least_turn, -reach, 0.1);
+    EXPECT_NEAR(most_pan, reach, 0.1);
+    EXPECT_NEAR(least_pan, -reach, 0.1);
     std::vector<int> near(world.objects.size(), 0);
     for (const ObjectState& state : map.states()) {
       if (!state.visible) continue;

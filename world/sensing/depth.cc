@@ -78,7 +78,7 @@ void DepthSensing::sense(long k, const Vector3& base, const VectorX& q, std::spa
     const auto sensor = static_cast<std::size_t>(i);
     Sent& sent = sent_[sensor][taken_[sensor]++ % sent_[sensor].size()];
     sent.frame.time = static_cast<double>(k) * dt_;
-    sent.frame.turn = frames_.turn(i);
+    sent.frame.pan = frames_.pan(i);
     measure(frames_.view(i), streams_.sensing(DisturbanceSource::kDepthNoise, k, kSensors + sensor), sent.frame.ranges);
     const long more =
         is_off(irregularity_)
