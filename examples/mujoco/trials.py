@@ -2,7 +2,7 @@
 """The trials of a suite in MuJoCo: moma's controllers as a robot's own program would call them, beside the same trials in ODE.
 
     build/moma run examples/mujoco/transfer.yaml
-    PYTHONPATH=build/python .venv/bin/python3 examples/mujoco/trials.py examples/mujoco/transfer.yaml results/transfer.db
+    PYTHONPATH=build/python MOMA_PROGRAM=build/moma .venv/bin/python3 examples/mujoco/trials.py examples/mujoco/transfer.yaml results/transfer.db
 
 usage: trials.py SUITE [STORE] [--worlds FROM:TO] [--only WORD] [-o FILE.jsonl]
 
