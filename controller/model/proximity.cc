@@ -122,8 +122,7 @@ struct Proximity::Impl {
           if (box.squaredExteriorDistance(object.box) > reach) continue;
           const std::size_t j = object.object;
           if (!counts(i, static_cast<int>(j))) continue;
-          const double range = held[j].seen ? ranges.object : std::min(ranges.object, ranges.unseen);
-          const auto d = within(solid(i), robot_X_WS[i], objects[j], held[j].X_WO, range);
+          const auto d = within(solid(i), robot_X_WS[i], objects[j], held[j].X_WO, ranges.of(held[j]));
           if (d && !found(ProximityPair{PairKind::kObject, static_cast<int>(i), static_cast<int>(j), *d})) return;
         }
       }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -76,6 +77,8 @@ struct ProximityRanges {
   double floor = -1.0;
   double self = -1.0;
   double unseen = std::numeric_limits<double>::infinity();
+
+  double of(const ObjectState& state) const noexcept { return state.seen ? object : std::min(object, unseen); }
 };
 
 /// Distances between a robot's shapes, a set of objects, the floor (z = 0) and the robot itself, by coal after a broad

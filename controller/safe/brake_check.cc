@@ -101,8 +101,7 @@ void BrakeCheck::begin(const Observation& o, const Known& known) noexcept {
   for (std::size_t k = 0; k < count; ++k)
     if (states_[k].visible) shown_.push_back(static_cast<int>(k));
   for (std::size_t k = 0; k < count; ++k) {
-    const double range = states_[k].seen ? known.ranges.object : std::min(known.ranges.object, known.ranges.unseen);
-    const double far = states_[k].visible ? bound(range) : kInfinity;
+    const double far = states_[k].visible ? bound(known.ranges.of(states_[k])) : kInfinity;
     for (std::size_t i = 0; i < shapes; ++i) object_bounds_[i * count + k] = far;
   }
   std::fill(sharp_.begin(), sharp_.end(), char{0});

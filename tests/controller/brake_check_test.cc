@@ -341,7 +341,7 @@ TEST(BrakeCheck, FindsWithFewDistancesWhatItFindsWithAll) {
       Proximity proximity(model);
       proximity.set_objects(scene.shapes);
       kinematics.update(o.base, o.q);
-      // What is known is what the rows keep: they leave out unseen space beyond its own influence.
+      // The rows know the pairs that they keep; unseen space beyond its own influence is not among them.
       CollisionParams dampers;
       dampers.object.influence = 0.3;
       dampers.floor.influence = dampers.self.influence = 0.1;

@@ -179,6 +179,15 @@ Observation seen_by(const Rig& rig, long k) {
   return o;
 }
 
+/// Distances of a map's box to the world's objects.
+std::vector<double> gaps(const ObjectState& box, const World& world, const Rig& rig) {
+  std::vector<double> out;
+  for (std::size_t o = 0; o < world.objects.size(); ++o)
+    out.push_back(
+        shape_distance({ShapeKind::kBox, box.box, nullptr}, box.X_WO, world.objects[o].shape, rig.states[o].X_WO).d);
+  return out;
+}
+
 TEST(SeenMap, BoxesAreWhereThingsStandAndNowhereElse) {
   const World world = room();
   Disturbances d;
@@ -207,13 +216,9 @@ TEST(SeenMap, BoxesAreWhereThingsStandAndNowhereElse) {
       continue;
     }
     ++boxes;
-    double least = kInfinity;
-    for (std::size_t o = 0; o < world.objects.size(); ++o) {
-      const double distance = shape_distance(shape, state.X_WO, world.objects[o].shape, rig.states[o].X_WO).d;
-      least = std::min(least, distance);
-      if (distance <= 0.02) ++near[o];
-    }
-    EXPECT_LT(least, 0.05) << "at " << state.X_WO.translation().transpose();
+    const std::vector<double> d = gaps(state, world, rig);
+    for (std::size_t o = 0; o < near.size(); ++o) near[o] += d[o] <= 0.02 ? 1 : 0;
+    EXPECT_LT(std::ranges::min(d), 0.05) << "at " << state.X_WO.translation().transpose();
   }
   EXPECT_GT(boxes, 10);
   EXPECT_GT(unseen, 0) << "behind the arm, and beneath the base";
@@ -243,12 +248,7 @@ TEST(SeenMap, AFrameCountsFromWhereTheRobotWas) {
   for (const ObjectState& state : map.states()) {
     if (!state.visible) continue;
     ++boxes;
-    double least = kInfinity;
-    for (std::size_t o = 0; o < world.objects.size(); ++o)
-      least = std::min(least, shape_distance({ShapeKind::kBox, state.box, nullptr}, state.X_WO, world.objects[o].shape,
-                                             rig.states[o].X_WO)
-                                  .d);
-    EXPECT_LT(least, 0.06) << "at " << state.X_WO.translation().transpose();
+    EXPECT_LT(std::ranges::min(gaps(state, world, rig)), 0.06) << "at " << state.X_WO.translation().transpose();
   }
   EXPECT_GT(boxes, 10);
 }
@@ -282,14 +282,9 @@ TEST(SeenMap, ASensorThatPansSeesToItsSides) {
     std::vector<int> near(world.objects.size(), 0);
     for (const ObjectState& state : map.states()) {
       if (!state.visible) continue;
-      double least = kInfinity;
-      for (std::size_t o = 0; o < near.size(); ++o) {
-        const Shape box{ShapeKind::kBox, state.box, nullptr};
-        const double d = shape_distance(box, state.X_WO, world.objects[o].shape, rig.states[o].X_WO).d;
-        least = std::min(least, d);
-        near[o] += d <= 0.02 ? 1 : 0;
-      }
-      EXPECT_LT(least, 0.05) << "at " << state.X_WO.translation().transpose();
+      const std::vector<double> d = gaps(state, world, rig);
+      for (std::size_t o = 0; o < near.size(); ++o) near[o] += d[o] <= 0.02 ? 1 : 0;
+      EXPECT_LT(std::ranges::min(d), 0.05) << "at " << state.X_WO.translation().transpose();
     }
     EXPECT_EQ(near[0] > 1, reach > 0.0) << "the box, 0.8 rad to the right";
     EXPECT_EQ(near[1] > 1, reach > 0.0) << "the ball, 1.1 rad to the left";

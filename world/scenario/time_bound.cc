@@ -56,6 +56,7 @@ class Search {
     if (bases_ > 0)
       metric_.head<3>() << Vector2::Constant(linear_.speed * linear_.speed), angular_.speed * angular_.speed;
     start_ = joined(world.start);
+    times_.reserve(static_cast<std::size_t>(1 + model_.num_joints()));
   }
 
   const TimeBound& best() const noexcept { return best_; }
