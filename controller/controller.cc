@@ -15,6 +15,7 @@ Controller& Controller::operator=(Controller&&) noexcept = default;
 
 void Controller::reset(std::span<const ObjectShape> objects) { core_->reset(objects); }
 void Controller::see(const DepthFrame& frame) noexcept { core_->see(frame); }
+Gaze Controller::gaze(int sensor) const noexcept { return core_->gaze(sensor); }
 void Controller::step(const Observation& observation, StepResult& result) noexcept { core_->step(observation, result); }
 void Controller::prepare(StepResult& result) const { core_->prepare(result); }
 void Controller::enable_timing(bool on) noexcept { core_->enable_timing(on); }

@@ -28,6 +28,7 @@ class Controller : public StepController {
 
   void reset(std::span<const ObjectShape> objects) override;
   void see(const DepthFrame& frame) noexcept override;
+  Gaze gaze(int sensor) const noexcept override;
   void step(const Observation& observation, StepResult& result) noexcept override;
   void prepare(StepResult& result) const override;
 

@@ -35,6 +35,7 @@ class ControllerCore final : public StepController {
 
   void reset(std::span<const ObjectShape> objects) override;
   void see(const DepthFrame& frame) noexcept override { map_.see(frame); }
+  Gaze gaze(int sensor) const noexcept override { return map_.gaze(sensor); }
   void step(const Observation& observation, StepResult& result) noexcept override;
   void prepare(StepResult& result) const override;
 

@@ -9,6 +9,7 @@
 #include "controller/escape_state.h"
 #include "controller/lookahead/plan_brief.h"
 #include "controller/model/proximity.h"
+#include "controller/model/sensor.h"
 #include "controller/model/upright.h"
 #include "controller/status.h"
 #include "controller/types.h"
@@ -44,7 +45,7 @@ struct Observation {
 struct DepthFrame {
   int sensor = 0;     ///< index into RobotModel::sensors
   double time = 0.0;  ///< at which it was taken, by the clock of Observation::time [s]
-  double pan = 0.0;   ///< angle of the sensor about the z axis of its link at that time, as measured [rad]
+  Gaze gaze;          ///< angles of the sensor's head at that time, as measured
   VectorX ranges;     ///< [m]
 };
 
@@ -84,6 +85,8 @@ class StepController {
   virtual void step(const Observation& observation, StepResult& result) noexcept = 0;
   /// Sizes the vectors of `result` so that step() never allocates.
   virtual void prepare(StepResult& result) const = 0;
+  /// Where the sensor's head (model/sensor.h) is to look after the last step. Straight ahead by default.
+  virtual Gaze gaze(int /*sensor*/) const noexcept { return {}; }
   /// Reason why the controller cannot continue, which ends a trial. Empty otherwise.
   virtual std::string_view failure() const noexcept { return {}; }
 };

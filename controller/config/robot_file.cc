@@ -15,6 +15,7 @@
 #include "controller/config/text_file.h"
 #include "controller/config/urdf_collision.h"
 #include "controller/config/write_described.h"
+#include "controller/describe/accepted.h"
 #include "controller/model/urdf.h"
 
 namespace moma::config {
@@ -129,6 +130,10 @@ void check_sensor(const Sensor& sensor, MapReader& in, std::set<std::string>& na
   in.check(sensor.field_of_view[0] > 0.0, "field_of_view", "found an azimuth of 0, expected more");
   in.check(sensor.field_of_view[1] <= std::numbers::pi + 1e-9, "field_of_view",
            "found an elevation above pi, expected at most pi");
+  for (const auto& [name, range] : {std::pair{"pan", sensor.head.pan}, std::pair{"tilt", sensor.head.tilt}})
+    in.check(range[0] <= 0.0 && range[1] >= 0.0, "head",
+             std::string("has a ") + name + " of [" + number_text(range[0]) + ", " + number_text(range[1]) +
+                 "], expected a lower and an upper angle with 0 between them");
   in.check(sensor.rows == 1 || sensor.field_of_view[1] > 0.0, "rows",
            "found " + std::to_string(sensor.rows) + " rows for an elevation of 0, expected 1");
   const std::int64_t rays = std::int64_t{sensor.columns} * sensor.rows;

@@ -55,9 +55,10 @@ void SeenMap::reset() {
   left_out_ = 0;
   sensors_.clear();
   for (const MountedSensor& mounted : model_->sensors) {
-    Waiting& sensor = sensors_.emplace_back();
-    sensor.mounted = &mounted;
-    sensor.directions_C = RayView(mounted.sensor).directions_C();
+    Waiting& sensor = sensors_.emplace_back(Waiting{.mounted = &mounted,
+                                                    .directions_C = RayView(mounted.sensor).directions_C(),
+                                                    .frame = {},
+                                                    .choice = GazeChoice(mounted)});
     sensor.frame.ranges = VectorX::Zero(static_cast<Eigen::Index>(sensor.directions_C.size()));
   }
   const Moment none{.q = VectorX::Zero(model_->num_joints())};
@@ -77,6 +78,7 @@ void SeenMap::reset() {
   }
   order_.reserve(kMostFound);
   kept_.assign(std::max(occupied_.states.size(), unseen_.states.size()), 0);
+  sights_.reserve(unseen_.states.size());
   chosen_.reserve(std::max(occupied_.states.size(), unseen_.states.size()));
   shapes_X_WS_.assign(model_->shapes.size(), Isometry::Identity());
   shapes_X_SW_ = shapes_X_WS_;
@@ -88,9 +90,15 @@ void SeenMap::see(const DepthFrame& frame) noexcept {
   if (!on() || frame.sensor < 0 || frame.sensor >= static_cast<int>(sensors_.size())) return;
   Waiting& sensor = sensors_[static_cast<std::size_t>(frame.sensor)];
   if (frame.ranges.size() != sensor.frame.ranges.size()) return;
-  if (!std::isfinite(frame.time) || !std::isfinite(frame.pan)) return;
+  if (!std::isfinite(frame.time) || !std::isfinite(frame.gaze.pan) || !std::isfinite(frame.gaze.tilt)) return;
   sensor.frame = frame;
   sensor.waits = true;
+}
+
+const Gaze& SeenMap::gaze(int sensor) const noexcept {
+  static constexpr Gaze kAhead;
+  const auto i = static_cast<std::size_t>(sensor);
+  return i < sensors_.size() ? sensors_[i].choice.wanted() : kAhead;
 }
 
 bool SeenMap::waits() const noexcept {
@@ -131,6 +139,7 @@ void SeenMap::observe(const Observation& o) noexcept {
   }
   place_robot(o.base, o.q);
   for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) free_near(model_->shapes[i].shape, shapes_X_WS_[i], 0.0, true);
+  look(o);
   if (o.time - made_at_ < params_.often && !map_.uncovered()) return;
   made_at_ = o.time;
   if (o.time - merged_at_ >= params_.merge) {
@@ -146,6 +155,39 @@ void SeenMap::observe(const Observation& o) noexcept {
   left_out_ = 0;
   const Vector3 at(o.base.x(), o.base.y(), 0.0), reach(params_.reach, params_.reach, params_.height);
   make_boxes(occupied_, region(at - reach, at + reach));
+}
+
+// Unseen boxes are worth a look by how near they are to the robot, now or where it moves.
+void SeenMap::look(const Observation& o) noexcept {
+  constexpr double kHorizon = 1.0;  // [s]
+  constexpr double kNear = 0.1;     // [m]
+  if (std::none_of(sensors_.begin(), sensors_.end(), [](const Waiting& s) { return s.looked && s.choice.on(); })) return;
+  sights_.clear();
+  const auto add = [&](bool first) {
+    std::size_t n = 0;
+    for (const ObjectState& state : unseen_.states) {
+      if (!state.visible) continue;
+      const Vector3& p = state.X_WO.translation();
+      const Eigen::AlignedBox3d box(p - 0.5 * state.box, p + 0.5 * state.box);
+      double nearest = kNever;
+      for (const Eigen::AlignedBox3d& part : around_) nearest = std::min(nearest, part.exteriorDistance(box));
+      if (first) sights_.push_back({p, 0.0});
+      sights_[n].worth = std::max(sights_[n].worth, 1.0 / (nearest + kNear));
+      ++n;
+    }
+  };
+  add(true);
+  Vector3 base = o.base;
+  later_ = o.q;
+  integrate(*model_, base, later_, o.qdot, kHorizon);
+  place_robot(base, later_);
+  add(false);
+  place_robot(o.base, o.q);
+  for (Waiting& sensor : sensors_) {
+    if (!sensor.looked) continue;
+    sensor.looked = false;
+    sensor.choice.saw(sensor.frame.gaze, sensor.frame.time, robot_.X_WL(sensor.mounted->link), sights_);
+  }
 }
 
 void SeenMap::place_robot(const Vector3& base, const VectorX& q) noexcept {
@@ -173,14 +215,14 @@ bool SeenMap::own(const Vector3& p_W) const noexcept {
 
 void SeenMap::take(Waiting& sensor) noexcept {
   sensor.waits = false;
-  sensor.had = true;
+  sensor.had = sensor.looked = true;
   const auto nearest = [&](const std::vector<Moment>& log) -> const Moment& {
     return *std::min_element(log.begin(), log.end(), [&](const Moment& a, const Moment& b) {
       return std::abs(a.time - sensor.frame.time) < std::abs(b.time - sensor.frame.time);
     });
   };
   place_robot(nearest(base_log_).base, nearest(joint_log_).q);
-  const Isometry X_WC = robot_.X_WL(sensor.mounted->link) * sensor.mounted->panned(sensor.frame.pan);
+  const Isometry X_WC = robot_.X_WL(sensor.mounted->link) * sensor.mounted->turned(sensor.frame.gaze);
   const Vector3 from = X_WC.translation();
   const double range = sensor.mounted->sensor.range;
   if (!is_pose(X_WC)) return;

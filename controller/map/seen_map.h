@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "controller/map/gaze.h"
 #include "controller/map/occupancy_map.h"
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
@@ -38,6 +39,8 @@ class SeenMap {
   bool waits() const noexcept;
   /// The boxes, as many as count().
   std::span<const ObjectState> states() const noexcept { return states_; }
+  /// Where a sensor's head should look: at the unseen space that is nearest to where the robot goes.
+  const Gaze& gaze(int sensor) const noexcept;
   const OccupancyMap& map() const noexcept { return map_; }
   /// Number of boxes of occupied space that found no place among them, of the last step that made boxes.
   int left_out() const noexcept { return left_out_; }
@@ -47,7 +50,8 @@ class SeenMap {
     const MountedSensor* mounted;
     std::vector<Vector3> directions_C;
     DepthFrame frame;
-    bool waits = false, had = false;
+    GazeChoice choice;
+    bool waits = false, had = false, looked = false;
   };
   struct Moment {
     double time = -kNever;
@@ -69,6 +73,7 @@ class SeenMap {
     std::vector<CellBox> objects;  // of its objects, from the world's origin; of no cells: none
     std::span<ObjectState> states;
   };
+  void look(const Observation& o) noexcept;
   void make_boxes(Kind& kind, const CellBox& region) noexcept;
 
   std::shared_ptr<const RobotModel> model_;
@@ -88,6 +93,8 @@ class SeenMap {
   std::vector<CellBox> chosen_;
   std::vector<char> kept_;
   std::vector<ObjectState> states_;
+  std::vector<Sight> sights_;
+  VectorX later_;
   bool begun_ = false;
   int left_out_ = 0;
 };

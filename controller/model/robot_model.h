@@ -117,12 +117,16 @@ struct SelfPair {
 struct MountedSensor {
   Sensor sensor;
   int link = 0;
-  Isometry X_LC = Isometry::Identity();  ///< at a pan angle of 0
+  Isometry X_LC = Isometry::Identity();  ///< of a head that looks straight ahead
 
-  /// Returns X_LC at a pan angle about z_L [rad]. The sensor's place stays.
-  Isometry panned(double angle) const noexcept {
-    Isometry X = X_LC;
-    if (angle != 0.0) X.linear() = Eigen::AngleAxisd(angle, Vector3::UnitZ()).toRotationMatrix() * X_LC.linear();
+  /// Returns X_LC of a head that looks there.
+  Isometry turned(const Gaze& gaze) const noexcept {
+    if (gaze == Gaze{}) return X_LC;
+    const Matrix3 R =
+        (Eigen::AngleAxisd(gaze.pan, Vector3::UnitZ()) * Eigen::AngleAxisd(gaze.tilt, Vector3::UnitY())).matrix();
+    Isometry X;
+    X.linear() = R * X_LC.linear();
+    X.translation() = sensor.head.axes + R * (X_LC.translation() - sensor.head.axes);
     return X;
   }
 };

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <string>
 
@@ -10,18 +10,34 @@
 
 namespace moma {
 
-/// Motion of a sensor to and fro about the z axis of its link: reach sin(2 pi t / period).
-struct Pan {
-  double reach = 0.0;   ///< to either side [rad]; 0: the sensor is fixed
-  double period = 3.0;  ///< [s]
+/// Angles of a head: pan about the z axis of its link, tilt about the y axis that turns with it, positive downwards [rad].
+struct Gaze {
+  double pan = 0.0;
+  double tilt = 0.0;
 
-  double angle(double time) const noexcept { return reach * std::sin(2.0 * std::numbers::pi * time / period); }
+  bool operator==(const Gaze&) const = default;
 };
 
-constexpr void describe(auto& v, Of<Pan>) {
-  v.member("reach", &Pan::reach,
-           in_range({0.0, std::numbers::pi}, "rad", "turn to either side about the z axis of the link; 0: fixed"));
-  v.member("period", &Pan::period, in_range({0.1, 100.0}, "s", "time of one turn to and fro"));
+/// A head: the sensor turns on its link where the controller looks. A range of no width is a fixed angle.
+struct Head {
+  Vector3 axes = Vector3::Zero();  ///< point of the link in which the axes meet [m]
+  std::array<double, 2> pan{};   ///< range of the angle [rad]
+  std::array<double, 2> tilt{};  ///< [rad]
+  double speed = 2.0;            ///< of each angle, at most [rad/s]
+
+  bool turns() const noexcept { return pan[1] > pan[0] || tilt[1] > tilt[0]; }
+  Gaze within(const Gaze& asked) const noexcept {
+    return {std::clamp(asked.pan, pan[0], pan[1]), std::clamp(asked.tilt, tilt[0], tilt[1])};
+  }
+};
+
+constexpr void describe(auto& v, Of<Head>) {
+  v.member("axes", &Head::axes, in_range({-100.0, 100.0}, "m", "where the axes meet, in the link's frame"));
+  constexpr Range kTurn{-std::numbers::pi, std::numbers::pi};
+  v.member("pan", &Head::pan, in_range(kTurn, "rad", "range of the angle about the z axis of the link"));
+  v.member("tilt", &Head::tilt,
+           in_range(kTurn, "rad", "range of the angle about the turned y axis, positive downwards"));
+  v.member("speed", &Head::speed, positive("rad/s", "speed of each angle, at most"));
 }
 
 /// A depth camera or a scanner of the robot: a grid of rays from the origin of its frame C, evenly spaced in azimuth
@@ -37,7 +53,7 @@ struct Sensor {
   int rows = 60;
   double range = 3.0;  ///< [m]
   double rate = 10.0;  ///< frames in a second [1/s]
-  Pan pan;
+  Head head;
 };
 
 /// Bounds time and memory of a frame.
@@ -57,7 +73,7 @@ constexpr void describe(auto& v, Of<Sensor>) {
            in_range({1.0, 10'000.0}, "", "number of rays along the elevation; 1 for a planar scanner"));
   v.member("range", &S::range, positive("m", "range of each ray"));
   v.member("rate", &S::rate, in_range({0.1, 10'000.0}, "1/s", "frames per second"));
-  v.member("pan", &S::pan, unless_default({.text = "motion to and fro about the z axis of the link"}));
+  v.member("head", &S::head, unless_default({.text = "the sensor turns on its link, where the controller looks"}));
 }
 
 }  // namespace moma

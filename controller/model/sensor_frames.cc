@@ -196,14 +196,22 @@ void SensorFrames::look(long k, const Kinematics& robot, std::span<const ObjectS
   for (int i = 0; i < count(); ++i) {
     One& one = sensors_[static_cast<std::size_t>(i)];
     one.due = is_due(i, k);
-    if (!one.due) continue;
-    one.pan = one.mounted->sensor.pan.angle(static_cast<double>(k) * dt_);
-    take(one, robot, objects);
+    if (one.due) take(one, robot, objects);
   }
 }
 
+void SensorFrames::turn(int sensor, const Gaze& wanted) noexcept {
+  One& one = sensors_[static_cast<std::size_t>(sensor)];
+  const Head& head = one.mounted->sensor.head;
+  if (!std::isfinite(wanted.pan) || !std::isfinite(wanted.tilt)) return;
+  const Gaze to = head.within(wanted);
+  const double most = head.speed * dt_;
+  one.gaze.pan += std::clamp(to.pan - one.gaze.pan, -most, most);
+  one.gaze.tilt += std::clamp(to.tilt - one.gaze.tilt, -most, most);
+}
+
 void SensorFrames::take(One& one, const Kinematics& robot, std::span<const ObjectState> objects) noexcept {
-  const Isometry X_WC = robot.X_WL(one.mounted->link) * one.mounted->panned(one.pan);
+  const Isometry X_WC = robot.X_WL(one.mounted->link) * one.mounted->turned(one.gaze);
   one.p_W = X_WC.translation();
   one.view.begin(X_WC);
   for (std::size_t i = 0; i < shapes_.size(); ++i)

@@ -77,8 +77,10 @@ class SensorFrames {
   int rays_on(std::size_t object) const noexcept;
   /// The sensor's latest frame.
   const RayView& view(int sensor) const noexcept { return at(sensor).view; }
-  /// Pan angle of the sensor in its latest frame [rad].
-  double pan(int sensor) const noexcept { return at(sensor).pan; }
+  /// Turns the sensor's head towards a direction, as far as it gets in a control period. Anything but numbers is ignored.
+  void turn(int sensor, const Gaze& wanted) noexcept;
+  /// Where it looks now.
+  const Gaze& gaze(int sensor) const noexcept { return at(sensor).gaze; }
   /// Position of the sensor in its latest frame.
   const Vector3& place_W(int sensor) const noexcept { return at(sensor).p_W; }
 
@@ -88,7 +90,7 @@ class SensorFrames {
     RayView view;
     long every;  // control periods between frames
     bool due = false;
-    double pan = 0.0;
+    Gaze gaze;
     Vector3 p_W = Vector3::Zero();
     std::vector<int> hits;
   };

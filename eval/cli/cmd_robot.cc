@@ -210,7 +210,7 @@ QueryResult link_table(const RobotModel& model) {
 }
 
 QueryResult sensor_table(const RobotModel& model) {
-  QueryResult table{{"sensor", "link", "position m", "looks along", "view rad", "rays", "range m", "frames/s", "pans"},
+  QueryResult table{{"sensor", "link", "position m", "looks along", "view rad", "rays", "range m", "frames/s", "head rad"},
                     {}};
   for (const MountedSensor& mounted : model.sensors) {
     const Sensor& s = mounted.sensor;
@@ -218,7 +218,9 @@ QueryResult sensor_table(const RobotModel& model) {
                           vector_text(mounted.X_LC.linear().col(0)),
                           fmt::format("{:.4g} x {:.4g}", s.field_of_view[0], s.field_of_view[1]),
                           fmt::format("{} x {}", s.columns, s.rows), s.range, s.rate,
-                          s.pan.reach > 0.0 ? fmt::format("+-{:.4g} rad in {:.4g} s", s.pan.reach, s.pan.period) : ""});
+                          s.head.turns() ? fmt::format("pan {:.4g} to {:.4g}, tilt {:.4g} to {:.4g}", s.head.pan[0],
+                                                       s.head.pan[1], s.head.tilt[0], s.head.tilt[1])
+                                         : ""});
   }
   return table;
 }

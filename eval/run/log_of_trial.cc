@@ -28,6 +28,7 @@ class Listened final : public StepController {
     for (const ObjectShape& object : objects) heard_.objects.push_back(object.name);
   }
   void see(const DepthFrame& frame) noexcept override { controller_->see(frame); }
+  Gaze gaze(int sensor) const noexcept override { return controller_->gaze(sensor); }
   void step(const Observation& observation, StepResult& result) noexcept override {
     controller_->step(observation, result);
     heard_.seen.push_back(observation);

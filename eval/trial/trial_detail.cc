@@ -93,6 +93,7 @@ class RowWitness final : public StepController {
     out_.names.emplace_back("floor");
   }
   void see(const DepthFrame& frame) noexcept override { controller_.see(frame); }
+  Gaze gaze(int sensor) const noexcept override { return controller_.gaze(sensor); }
   void step(const Observation& observation, StepResult& result) noexcept override {
     controller_.step(observation, result);
     if (controller_.params().method == Method::kQp && result.status != StepStatus::kInvalidInput)

@@ -45,7 +45,9 @@ struct Witness final : StepController {
   void step(const Observation&, StepResult&) noexcept override {}
   void prepare(StepResult&) const override {}
   void see(const DepthFrame& frame) noexcept override { frames.push_back(frame); }
+  Gaze gaze(int) const noexcept override { return looks; }
   std::vector<DepthFrame> frames;
+  Gaze looks;
 };
 
 /// A robot that stands among the room's objects, its sensors, and what is made of them.
@@ -57,9 +59,11 @@ struct Rig {
     for (const WorldObject& object : world.objects) shapes.push_back(object.shape);
     sensing.emplace(disturbances, *model, shapes, DisturbanceStreams(world, 0), kStep);
   }
-  std::vector<DepthFrame> frames(long k) {
+  /// The frames that arrive; heads turn to `looks`.
+  std::vector<DepthFrame> frames(long k, const Gaze& looks = {}) {
     sensing->sense(k, base, q, states);
     Witness witness;
+    witness.looks = looks;
     sensing->show(witness);
     return witness.frames;
   }
@@ -253,35 +257,36 @@ TEST(SeenMap, AFrameCountsFromWhereTheRobotWas) {
   EXPECT_GT(boxes, 10);
 }
 
-// A narrow camera that looks between two objects sees both as it pans, and sees them where they stand.
-TEST(SeenMap, ASensorThatPansSeesToItsSides) {
+// A narrow camera that looks between two objects sees both on a head that looks at what is unseen.
+TEST(SeenMap, AHeadLooksToItsSides) {
   const World world = room();
   for (const double reach : {0.0, 1.1}) {
     auto model = std::make_shared<RobotModel>(*robot_with_cameras());
     MountedSensor& camera = model->sensors[0];
     model->sensors.resize(1);
-    camera.sensor.field_of_view = {0.4, 1.2};
-    camera.sensor.pan = {reach, 2.0};
+    camera.sensor.field_of_view = {0.4, 0.6};
+    camera.sensor.head = {.axes = {0.1, 0.0, 0.9}, .pan = {-reach, reach}, .tilt = {-0.3 * reach, 0.3 * reach}, .speed = 3.0};
     camera.X_LC.linear() = Eigen::AngleAxisd(0.9, Vector3::UnitZ()) * camera.X_LC.linear();
     Rig rig({}, world, model);
-    MapParams params = with_map().map;
-    params.unseen.enabled = false;
-    SeenMap map(model, params, 0.0, 0.0);
-    double least_pan = 0.0, most_pan = 0.0;
-    for (long k = 0; k < 150; ++k) {
-      for (const DepthFrame& frame : rig.frames(k)) {
-        EXPECT_NEAR(frame.pan, reach * std::sin(std::numbers::pi * frame.time), 1e-12);
-        least_pan = std::min(least_pan, frame.pan);
-        most_pan = std::max(most_pan, frame.pan);
+    SeenMap map(model, with_map().map, 0.0, 0.0);
+    Gaze least, most, last;
+    for (long k = 0; k < 400; ++k) {
+      for (const DepthFrame& frame : rig.frames(k, map.gaze(0))) {
+        least = {std::min(least.pan, frame.gaze.pan), std::min(least.tilt, frame.gaze.tilt)};
+        most = {std::max(most.pan, frame.gaze.pan), std::max(most.tilt, frame.gaze.tilt)};
+        EXPECT_LE(std::abs(frame.gaze.pan - last.pan), 3.0 * 0.1 + 1e-9) << "frames are 0.1 s apart";
+        last = frame.gaze;
         map.see(frame);
       }
       map.observe(seen_by(rig, k));
     }
-    EXPECT_NEAR(most_pan, reach, 0.1);
-    EXPECT_NEAR(least_pan, -reach, 0.1);
+    EXPECT_NEAR(most.pan, reach, 1e-9);
+    EXPECT_NEAR(least.pan, -reach, 1e-9);
+    EXPECT_NEAR(most.tilt, 0.3 * reach, 1e-9);
+    EXPECT_NEAR(least.tilt, -0.3 * reach, 1e-9);
     std::vector<int> near(world.objects.size(), 0);
     for (const ObjectState& state : map.states()) {
-      if (!state.visible) continue;
+      if (!state.visible || !state.seen) continue;
       const std::vector<double> d = gaps(state, world, rig);
       for (std::size_t o = 0; o < near.size(); ++o) near[o] += d[o] <= 0.02 ? 1 : 0;
       EXPECT_LT(std::ranges::min(d), 0.05) << "at " << state.X_WO.translation().transpose();
@@ -289,6 +294,36 @@ TEST(SeenMap, ASensorThatPansSeesToItsSides) {
     EXPECT_EQ(near[0] > 1, reach > 0.0) << "the box, 0.8 rad to the right";
     EXPECT_EQ(near[1] > 1, reach > 0.0) << "the ball, 1.1 rad to the left";
   }
+}
+
+// A head looks first at what is worth most, then at everything else, since what an arm hides stays unseen.
+TEST(GazeChoice, WhatIsWorthMostComesFirstAndNothingIsLeftOut) {
+  MountedSensor camera = robot_with_cameras()->sensors[0];
+  camera.X_LC = Isometry::Identity();
+  camera.sensor.field_of_view = {0.4, 0.4};
+  camera.sensor.head = {.pan = {-1.5, 1.5}, .tilt = {-0.5, 0.5}};
+  GazeChoice choice(camera);
+  ASSERT_TRUE(choice.on());
+  Isometry X_WL = Isometry::Identity();
+  X_WL.translation() = {0.0, 0.0, 1.0};
+  const std::vector<Sight> sights{{{1.0, 1.0, 1.0}, 50.0}, {{1.0, -1.0, 1.0}, 20.0}, {{-1.0, 0.0, 1.0}, 1000.0}};
+  std::vector<std::pair<double, double>> looked;
+  int first = 0;
+  for (int frame = 0; frame < 400; ++frame) {
+    const Gaze before = choice.wanted();
+    choice.saw({before.pan + 0.2, before.tilt}, 0.1 * frame, X_WL, sights);
+    EXPECT_EQ(choice.wanted(), before) << "the head was on its way";
+    choice.saw(before, 0.1 * frame + 0.05, X_WL, sights);
+    const Vector3 along = camera.turned(choice.wanted()).linear().col(0);
+    const bool left = along.dot(Vector3(1, 1, 0).normalized()) > 0.9;
+    if (frame == 0) EXPECT_TRUE(left) << along.transpose();
+    first += left ? 1 : 0;
+    looked.emplace_back(choice.wanted().pan, choice.wanted().tilt);
+  }
+  EXPECT_GT(first, 100);
+  std::ranges::sort(looked);
+  const auto repeated = std::ranges::unique(looked);
+  EXPECT_EQ(looked.size() - repeated.size(), 16U * 6U) << "views 0.2 rad apart";
 }
 
 TEST(SeenMap, WhatGoesIsForgottenAndWhatIsHiddenIsKept) {

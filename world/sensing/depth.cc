@@ -53,6 +53,7 @@ DepthSensing::DepthSensing(const Disturbances& disturbances, const RobotModel& m
       jitter_(delay_steps(irregularity_.jitter, control_period)),
       robot_({std::shared_ptr<void>(), &model}),
       frames_(model, control_period),
+      wanted_(model.sensors.size()),
       taken_(model.sensors.size(), 0) {
   frames_.set_objects(objects);
   for (int i = 0; i < frames_.count(); ++i) {
@@ -68,6 +69,7 @@ DepthSensing::DepthSensing(const Disturbances& disturbances, const RobotModel& m
 
 void DepthSensing::sense(long k, const Vector3& base, const VectorX& q, std::span<const ObjectState> objects) {
   k_ = k;
+  for (int i = 0; i < frames_.count(); ++i) frames_.turn(i, wanted_[static_cast<std::size_t>(i)]);
   bool any = false;
   for (int i = 0; i < frames_.count(); ++i) any = any || frames_.is_due(i, k);
   if (!any) return;
@@ -78,7 +80,7 @@ void DepthSensing::sense(long k, const Vector3& base, const VectorX& q, std::spa
     const auto sensor = static_cast<std::size_t>(i);
     Sent& sent = sent_[sensor][taken_[sensor]++ % sent_[sensor].size()];
     sent.frame.time = static_cast<double>(k) * dt_;
-    sent.frame.pan = frames_.pan(i);
+    sent.frame.gaze = frames_.gaze(i);
     measure(frames_.view(i), streams_.sensing(DisturbanceSource::kDepthNoise, k, kSensors + sensor), sent.frame.ranges);
     const long more =
         is_off(irregularity_)
@@ -124,6 +126,7 @@ void DepthSensing::show(StepController& controller) {
     newest->due = kNone;
     controller.see(newest->frame);
   }
+  for (int i = 0; i < frames_.count(); ++i) wanted_[static_cast<std::size_t>(i)] = controller.gaze(i);
 }
 
 }  // namespace moma

@@ -21,6 +21,7 @@ class DepthSensing {
   /// Takes the frames that are due at step k = 0, 1, 2, ... (each once, in order), by the true state.
   void sense(long k, const Vector3& base, const VectorX& q, std::span<const ObjectState> objects);
   /// Hands over the frames that have arrived by the last step and that nobody was shown, of each sensor the newest.
+  /// Heads turn where the controller looks.
   void show(StepController& controller);
 
  private:
@@ -41,6 +42,7 @@ class DepthSensing {
   SensorFrames frames_;
   std::vector<double> range_;            // of each sensor
   std::vector<std::vector<Sent>> sent_;  // of each sensor, a ring
+  std::vector<Gaze> wanted_;             // of each sensor
   std::vector<std::size_t> taken_;       // number of frames of each sensor
 };
 

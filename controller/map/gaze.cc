@@ -1,0 +1,72 @@
+#include "controller/map/gaze.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace moma {
+namespace {
+
+constexpr double kFirst = -10.0;  // time before a motion at which each view was looked at [s]
+constexpr double kStill = 0.05;   // difference of angles up to which a gaze is the one that was wanted [rad]
+constexpr double kAnywhere = 1.0; // worth of a view of nothing, so that all around is looked at now and then
+
+// Angles from one end of a range to the other, no more than `apart` from each other.
+std::vector<double> angles(const std::array<double, 2>& range, double apart) {
+  const int count = static_cast<int>(std::ceil((range[1] - range[0]) / apart));
+  std::vector<double> out;
+  for (int i = 0; i <= count; ++i)
+    out.push_back(count == 0 ? range[0] : range[0] + (range[1] - range[0]) * i / count);
+  return out;
+}
+
+}  // namespace
+
+GazeChoice::GazeChoice(const MountedSensor& mounted) : mounted_(&mounted) {
+  const Sensor& s = mounted.sensor;
+  if (!s.head.turns()) return;
+  apart_ = {std::max(0.5 * s.field_of_view[0], 0.1), std::max(0.5 * s.field_of_view[1], 0.1)};
+  for (const double pan : angles(s.head.pan, apart_.pan))
+    for (const double tilt : angles(s.head.tilt, apart_.tilt))
+      views_.push_back({{pan, tilt}, mounted.turned({pan, tilt}), kFirst});
+  reset();
+}
+
+void GazeChoice::reset() {
+  wanted_ = {};
+  for (View& view : views_) view.seen_at = kFirst;
+}
+
+void GazeChoice::saw(const Gaze& gaze, double time, const Isometry& X_WL, std::span<const Sight> sights) noexcept {
+  for (View& view : views_)
+    if (std::abs(view.gaze.pan - gaze.pan) <= 0.5 * apart_.pan && std::abs(view.gaze.tilt - gaze.tilt) <= 0.5 * apart_.tilt)
+      view.seen_at = time;
+  if (std::abs(wanted_.pan - gaze.pan) > kStill || std::abs(wanted_.tilt - gaze.tilt) > kStill) return;
+  const Sensor& s = mounted_->sensor;
+  double best = -1.0;
+  for (const View& view : views_) {
+    const double turn = std::max(std::abs(view.gaze.pan - gaze.pan), std::abs(view.gaze.tilt - gaze.tilt));
+    const double cost = turn / s.head.speed + 1.0 / s.rate;
+    const double score = (kAnywhere + worth(view, X_WL, sights)) * (time - view.seen_at) / cost;
+    if (score <= best) continue;
+    best = score;
+    wanted_ = view.gaze;
+  }
+}
+
+double GazeChoice::worth(const View& view, const Isometry& X_WL, std::span<const Sight> sights) const noexcept {
+  const Sensor& s = mounted_->sensor;
+  const Isometry X_CW = (X_WL * view.X_LC).inverse(Eigen::Isometry);
+  double sum = 0.0;
+  for (const Sight& sight : sights) {
+    const Vector3 p = X_CW * sight.p_W;
+    const double r = p.norm();
+    if (r > s.range || std::abs(std::atan2(p.y(), p.x())) > 0.5 * s.field_of_view[0] ||
+        std::abs(std::asin(p.z() / std::max(r, 1e-9))) > 0.5 * s.field_of_view[1])
+      continue;
+    sum += sight.worth;
+  }
+  return sum;
+}
+
+}  // namespace moma
