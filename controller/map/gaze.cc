@@ -7,16 +7,15 @@
 namespace moma {
 namespace {
 
-constexpr double kFirst = -10.0;  // time before a motion at which each view was looked at [s]
-constexpr double kStill = 0.05;   // difference of angles up to which a gaze is the one that was wanted [rad]
-constexpr double kAnywhere = 1.0; // worth of a view of nothing, so that all around is looked at now and then
+constexpr double kFirst = -10.0;   // time before a motion at which each view was looked at [s]
+constexpr double kStill = 0.05;    // difference of angles up to which a gaze is the one that was wanted [rad]
+constexpr double kAnywhere = 1.0;  // worth of a view of nothing, so that all around is looked at now and then
 
 // Angles from one end of a range to the other, no more than `apart` from each other.
 std::vector<double> angles(const std::array<double, 2>& range, double apart) {
   const int count = static_cast<int>(std::ceil((range[1] - range[0]) / apart));
   std::vector<double> out;
-  for (int i = 0; i <= count; ++i)
-    out.push_back(count == 0 ? range[0] : range[0] + (range[1] - range[0]) * i / count);
+  for (int i = 0; i <= count; ++i) out.push_back(count == 0 ? range[0] : range[0] + (range[1] - range[0]) * i / count);
   return out;
 }
 
@@ -39,7 +38,8 @@ void GazeChoice::reset() {
 
 void GazeChoice::saw(const Gaze& gaze, double time, const Isometry& X_WL, std::span<const Sight> sights) noexcept {
   for (View& view : views_)
-    if (std::abs(view.gaze.pan - gaze.pan) <= 0.5 * apart_.pan && std::abs(view.gaze.tilt - gaze.tilt) <= 0.5 * apart_.tilt)
+    if (std::abs(view.gaze.pan - gaze.pan) <= 0.5 * apart_.pan &&
+        std::abs(view.gaze.tilt - gaze.tilt) <= 0.5 * apart_.tilt)
       view.seen_at = time;
   if (std::abs(wanted_.pan - gaze.pan) > kStill || std::abs(wanted_.tilt - gaze.tilt) > kStill) return;
   const Sensor& s = mounted_->sensor;

@@ -15,8 +15,9 @@ struct Sight {
 };
 
 /// Where a sensor on a head looks: the view with the most worth in it, times the time since it was looked at, over the
-/// time that a look takes. So a view that shows nothing new, since an arm hides it, gives way to others, and comes back.
-/// Views are half a field of view apart; a new one is chosen once the last was taken. Only the constructor allocates.
+/// time that a look takes. So a view that shows nothing new, since an arm hides it, gives way to others, and comes
+/// back. Views are half a field of view apart; a new one is chosen once the last was taken. Only the constructor
+/// allocates.
 class GazeChoice {
  public:
   explicit GazeChoice(const MountedSensor& mounted);

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "controller/model/analytic_distance.h"
-#include "controller/model/sensor_frames.h"
 
 namespace moma {
 namespace {
@@ -55,10 +54,7 @@ void SeenMap::reset() {
   left_out_ = 0;
   sensors_.clear();
   for (const MountedSensor& mounted : model_->sensors) {
-    Waiting& sensor = sensors_.emplace_back(Waiting{.mounted = &mounted,
-                                                    .directions_C = RayView(mounted.sensor).directions_C(),
-                                                    .frame = {},
-                                                    .choice = GazeChoice(mounted)});
+    Waiting& sensor = sensors_.emplace_back(mounted);
     sensor.frame.ranges = VectorX::Zero(static_cast<Eigen::Index>(sensor.directions_C.size()));
   }
   const Moment none{.q = VectorX::Zero(model_->num_joints())};
@@ -139,7 +135,7 @@ void SeenMap::observe(const Observation& o) noexcept {
   }
   place_robot(o.base, o.q);
   for (std::size_t i = 0; i < shapes_X_WS_.size(); ++i) free_near(model_->shapes[i].shape, shapes_X_WS_[i], 0.0, true);
-  look(o);
+  look();
   if (o.time - made_at_ < params_.often && !map_.uncovered()) return;
   made_at_ = o.time;
   if (o.time - merged_at_ >= params_.merge) {
@@ -157,37 +153,29 @@ void SeenMap::observe(const Observation& o) noexcept {
   make_boxes(occupied_, region(at - reach, at + reach));
 }
 
-// Unseen boxes are worth a look by how near they are to the robot, now or where it moves.
-void SeenMap::look(const Observation& o) noexcept {
-  constexpr double kHorizon = 1.0;  // [s]
-  constexpr double kNear = 0.1;     // [m]
-  if (std::none_of(sensors_.begin(), sensors_.end(), [](const Waiting& s) { return s.looked && s.choice.on(); })) return;
+// Heads whose frames were taken choose where to look next: unseen boxes are worth a look by how near they are.
+void SeenMap::look() noexcept {
+  const auto chooses = [](const Waiting& s) { return s.looked && s.choice.on(); };
+  if (std::none_of(sensors_.begin(), sensors_.end(), chooses)) return;
   sights_.clear();
-  const auto add = [&](bool first) {
-    std::size_t n = 0;
-    for (const ObjectState& state : unseen_.states) {
-      if (!state.visible) continue;
-      const Vector3& p = state.X_WO.translation();
-      const Eigen::AlignedBox3d box(p - 0.5 * state.box, p + 0.5 * state.box);
-      double nearest = kNever;
-      for (const Eigen::AlignedBox3d& part : around_) nearest = std::min(nearest, part.exteriorDistance(box));
-      if (first) sights_.push_back({p, 0.0});
-      sights_[n].worth = std::max(sights_[n].worth, 1.0 / (nearest + kNear));
-      ++n;
-    }
-  };
-  add(true);
-  Vector3 base = o.base;
-  later_ = o.q;
-  integrate(*model_, base, later_, o.qdot, kHorizon);
-  place_robot(base, later_);
-  add(false);
-  place_robot(o.base, o.q);
-  for (Waiting& sensor : sensors_) {
-    if (!sensor.looked) continue;
-    sensor.looked = false;
-    sensor.choice.saw(sensor.frame.gaze, sensor.frame.time, robot_.X_WL(sensor.mounted->link), sights_);
+  for (const ObjectState& state : unseen_.states) {
+    if (!state.visible) continue;
+    const Vector3& p = state.X_WO.translation();
+    const Eigen::AlignedBox3d box(p - 0.5 * state.box, p + 0.5 * state.box);
+    sights_.push_back({p, 1.0 / (std::sqrt(squared_gap(box)) + params_.unseen.influence)});
   }
+  for (Waiting& sensor : sensors_) {
+    if (chooses(sensor))
+      sensor.choice.saw(sensor.frame.gaze, sensor.frame.time, robot_.X_WL(sensor.mounted->link), sights_);
+    sensor.looked = false;
+  }
+}
+
+// Between a box and the boxes around the robot's shapes.
+double SeenMap::squared_gap(const Eigen::AlignedBox3d& box) const noexcept {
+  double nearest = kNever;
+  for (const Eigen::AlignedBox3d& part : around_) nearest = std::min(nearest, part.squaredExteriorDistance(box));
+  return nearest;
 }
 
 void SeenMap::place_robot(const Vector3& base, const VectorX& q) noexcept {
@@ -307,10 +295,7 @@ void SeenMap::make_boxes(Kind& kind, const CellBox& region) noexcept {
   order_.clear();
   for (std::size_t i = 0; i < kind.boxes.size(); ++i) {
     const Vector3 low = map_.low_corner(kind.boxes[i].low), high = map_.low_corner(kind.boxes[i].high);
-    const Eigen::AlignedBox3d box(low, high);
-    double nearest = kNever;
-    for (const Eigen::AlignedBox3d& part : around_) nearest = std::min(nearest, part.squaredExteriorDistance(box));
-    order_.emplace_back(nearest, static_cast<int>(i));
+    order_.emplace_back(squared_gap({low, high}), static_cast<int>(i));
   }
   if (order_.size() > kind.states.size()) {
     left_out_ += static_cast<int>(order_.size() - kind.states.size());

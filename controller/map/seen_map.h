@@ -8,6 +8,7 @@
 #include "controller/map/occupancy_map.h"
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
+#include "controller/model/sensor_frames.h"
 #include "controller/step.h"
 
 namespace moma {
@@ -39,7 +40,7 @@ class SeenMap {
   bool waits() const noexcept;
   /// The boxes, as many as count().
   std::span<const ObjectState> states() const noexcept { return states_; }
-  /// Where a sensor's head should look: at the unseen space that is nearest to where the robot goes.
+  /// Where a sensor's head should look: at the unseen space next to the robot.
   const Gaze& gaze(int sensor) const noexcept;
   const OccupancyMap& map() const noexcept { return map_; }
   /// Number of boxes of occupied space that found no place among them, of the last step that made boxes.
@@ -47,6 +48,9 @@ class SeenMap {
 
  private:
   struct Waiting {
+    explicit Waiting(const MountedSensor& sensor)
+        : mounted(&sensor), directions_C(RayView(sensor.sensor).directions_C()), choice(sensor) {}
+
     const MountedSensor* mounted;
     std::vector<Vector3> directions_C;
     DepthFrame frame;
@@ -73,7 +77,8 @@ class SeenMap {
     std::vector<CellBox> objects;  // of its objects, from the world's origin; of no cells: none
     std::span<ObjectState> states;
   };
-  void look(const Observation& o) noexcept;
+  void look() noexcept;
+  double squared_gap(const Eigen::AlignedBox3d& box) const noexcept;
   void make_boxes(Kind& kind, const CellBox& region) noexcept;
 
   std::shared_ptr<const RobotModel> model_;
@@ -94,7 +99,6 @@ class SeenMap {
   std::vector<char> kept_;
   std::vector<ObjectState> states_;
   std::vector<Sight> sights_;
-  VectorX later_;
   bool begun_ = false;
   int left_out_ = 0;
 };

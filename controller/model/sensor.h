@@ -10,7 +10,8 @@
 
 namespace moma {
 
-/// Angles of a head: pan about the z axis of its link, tilt about the y axis that turns with it, positive downwards [rad].
+/// Angles of a head: pan about the z axis of its link, tilt about the y axis that turns with it, positive downwards
+/// [rad].
 struct Gaze {
   double pan = 0.0;
   double tilt = 0.0;
@@ -21,9 +22,9 @@ struct Gaze {
 /// A head: the sensor turns on its link where the controller looks. A range of no width is a fixed angle.
 struct Head {
   Vector3 axes = Vector3::Zero();  ///< point of the link in which the axes meet [m]
-  std::array<double, 2> pan{};   ///< range of the angle [rad]
-  std::array<double, 2> tilt{};  ///< [rad]
-  double speed = 2.0;            ///< of each angle, at most [rad/s]
+  std::array<double, 2> pan{};     ///< range of the angle [rad]
+  std::array<double, 2> tilt{};    ///< [rad]
+  double speed = 2.0;              ///< of each angle, at most [rad/s]
 
   bool turns() const noexcept { return pan[1] > pan[0] || tilt[1] > tilt[0]; }
   Gaze within(const Gaze& asked) const noexcept {

@@ -77,7 +77,8 @@ class SensorFrames {
   int rays_on(std::size_t object) const noexcept;
   /// The sensor's latest frame.
   const RayView& view(int sensor) const noexcept { return at(sensor).view; }
-  /// Turns the sensor's head towards a direction, as far as it gets in a control period. Anything but numbers is ignored.
+  /// Turns the sensor's head towards a direction, as far as it gets in a control period. Anything but numbers is
+  /// ignored.
   void turn(int sensor, const Gaze& wanted) noexcept;
   /// Where it looks now.
   const Gaze& gaze(int sensor) const noexcept { return at(sensor).gaze; }
@@ -90,7 +91,7 @@ class SensorFrames {
     RayView view;
     long every;  // control periods between frames
     bool due = false;
-    Gaze gaze;
+    Gaze gaze{};
     Vector3 p_W = Vector3::Zero();
     std::vector<int> hits;
   };

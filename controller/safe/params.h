@@ -135,6 +135,7 @@ constexpr void describe(auto& v, Of<MemoryParams>) {
 struct EstimationParams {
   int least_tried = 12, beyond = 3;
   double forget = 0.5, better = 0.7;
+  double velocity_noise = 0.03, observe = 0.5;
   double gain = 0.02, gain_forget = 10.0;
   double least_gain = 0.7, largest_gain = 1.3;
   double missed = 5.0;
@@ -150,6 +151,12 @@ constexpr void describe(auto& v, Of<EstimationParams>) {
   v.member("forget", &T::forget, positive("s", "time constant with which a round trip's misfit forgets"));
   v.member("better", &T::better,
            in_range({0.0, 1.0}, "1", "factor on the present misfit below which another replaces it"));
+  v.member(
+      "velocity_noise", &T::velocity_noise,
+      unless_default(non_negative("m/s or rad/s", "difference of the base's velocity from its ramp that is noise")));
+  v.member(
+      "observe", &T::observe,
+      unless_default(in_range({0.0, 1.0}, "1", "share of a larger difference by which the ramp is moved; 0: none")));
   v.member("gain", &T::gain,
            in_range({0.0, 0.5}, "1", "spread of the base's gains from drive to drive; 0: the gains are 1"));
   v.member("gain_forget", &T::gain_forget,

@@ -229,6 +229,7 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   miss_steps(o.time);
   if (params_.identify) identify(o);
   if (params_.identify && base_dof_ > 0) identify_drive(o);
+  if (base_dof_ > 0) correct_velocity(o);
   out_.time = o.time + late_ * dt_;
   predict_joints(o.q);
   if (base_dof_ == 0) {
@@ -313,6 +314,19 @@ void Predictor::correct_base(const Vector3& measured) noexcept {
     return;
   }
   base += (params_.base_filter > dt_ ? dt_ / params_.base_filter : 1.0) * innovation;
+}
+
+// An observer of the base's velocity: a drive that is slower than its file says, or slips, does not do what was
+// commanded, and the next commands begin where it is.
+void Predictor::correct_velocity(const Observation& o) noexcept {
+  const EstimationParams& e = params_.estimation;
+  PredictionMemory& m = memory_;
+  for (int i = 0; i < base_dof_; ++i) {
+    const double off = o.qdot[i] - m.base_velocity[at(m.base_trip.periods)][i];
+    const double change = e.observe * (off - std::clamp(off, -e.velocity_noise, e.velocity_noise));
+    if (change == 0.0) continue;
+    for (int age = 0; age <= m.base_trip.periods; ++age) m.base_velocity[at(age)][i] += change;
+  }
 }
 
 void Predictor::predict_joints(const VectorX& q) noexcept {

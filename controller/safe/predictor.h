@@ -40,6 +40,10 @@ namespace moma {
 /// commands. The ramp that explains the measured velocity of the last half second clearly better than the present one
 /// replaces it.
 ///
+/// Observer: where the base's measured velocity is off from its ramp's by more than noise, the ramp moves towards it,
+/// so that commands start from what the base does. Without it they run ahead of a drive that is slower than its file
+/// says until that is identified.
+///
 /// Gains: with `identify` it also estimates, for each velocity of the base, the factor g = measured / commanded of a
 /// drive that follows its command, by least squares with forgetting and the prior N(1, gain^2) under a measurement
 /// noise of 0.01 m/s or rad/s. Commands are sent divided by g, within the base's speeds.
@@ -95,6 +99,7 @@ class Predictor {
   void identify_drive(const Observation& o) noexcept;
   void identify_gains(const Observation& o, const Vector3& command) noexcept;
   Vector3 gains() const noexcept;
+  void correct_velocity(const Observation& o) noexcept;
   void correct_base(const Vector3& measured) noexcept;
   void predict_object(const ObjectState& seen, std::size_t i) noexcept;
   void predict_joints(const VectorX& q) noexcept;

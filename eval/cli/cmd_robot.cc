@@ -210,8 +210,8 @@ QueryResult link_table(const RobotModel& model) {
 }
 
 QueryResult sensor_table(const RobotModel& model) {
-  QueryResult table{{"sensor", "link", "position m", "looks along", "view rad", "rays", "range m", "frames/s", "head rad"},
-                    {}};
+  QueryResult table{
+      {"sensor", "link", "position m", "looks along", "view rad", "rays", "range m", "frames/s", "head rad"}, {}};
   for (const MountedSensor& mounted : model.sensors) {
     const Sensor& s = mounted.sensor;
     table.rows.push_back({s.name, model.link(mounted.link).name, vector_text(s.position),

@@ -165,6 +165,43 @@ TEST(Predictor, FindsHowTheBasesDriveFollows) {
   }
 }
 
+// A base with a third of its accelerations, asked for what its file says: commands that start from the predicted
+// velocity run ahead of the base without the observer.
+TEST(Predictor, CommandsStartFromWhatASlowBaseDoes) {
+  constexpr Lateness kLate{3, 1, 1, 0};
+  for (const auto& model : {frankie(), mecanum()}) {
+    const int turn = model->base_dof() - 1;
+    const double linear = 0.8 * kPeriod * model->base.max_acceleration.x(),
+                 angular = 0.8 * kPeriod * model->base.max_acceleration.y();
+    double ahead[2][2]{};
+    for (const bool observes : {false, true}) {
+      Rng rng(4);
+      std::normal_distribution<double> noise(0.0, 0.01);
+      PredictionParams params = known(kLate);
+      if (!observes) params.estimation.observe = 0.0;
+      Predictor predictor(*model, params, {}, 0.0, kPeriod);
+      predictor.reset({});
+      LateRobot robot(*model, kLate, Vector3::Zero(), model->ready, {1.0 / 3.0, 1.0 / 3.0});
+      VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
+      for (int k = 0; k < 15; ++k) {
+        Observation o = robot.measured();
+        for (int i = 0; i <= turn; ++i) o.qdot[i] += noise(rng);
+        const VectorX now = predictor.predict(o).qdot;
+        command[0] = std::min(now[0] + linear, 1.0);
+        command[turn] = std::min(now[turn] + angular, 2.0);
+        predictor.send(command, sent);
+        robot.drive(sent);
+      }
+      ahead[observes][0] = command[0] - robot.state().qdot[0];
+      ahead[observes][1] = command[turn] - robot.state().qdot[turn];
+    }
+    for (const int way : {0, 1}) {
+      EXPECT_GT(ahead[0][way], 0.0) << model->name;
+      EXPECT_LT(ahead[1][way], 0.75 * ahead[0][way]) << model->name << (way == 0 ? " driving" : " turning");
+    }
+  }
+}
+
 // A base that drives and turns by another factor than it is told, measured with noise: commands allow for it, so that
 // it moves as was asked, and predictions are right.
 TEST(Predictor, FindsTheBasesGains) {

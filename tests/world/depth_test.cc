@@ -265,7 +265,8 @@ TEST(SeenMap, AHeadLooksToItsSides) {
     MountedSensor& camera = model->sensors[0];
     model->sensors.resize(1);
     camera.sensor.field_of_view = {0.4, 0.6};
-    camera.sensor.head = {.axes = {0.1, 0.0, 0.9}, .pan = {-reach, reach}, .tilt = {-0.3 * reach, 0.3 * reach}, .speed = 3.0};
+    camera.sensor.head = {
+        .axes = {0.1, 0.0, 0.9}, .pan = {-reach, reach}, .tilt = {-0.3 * reach, 0.3 * reach}, .speed = 3.0};
     camera.X_LC.linear() = Eigen::AngleAxisd(0.9, Vector3::UnitZ()) * camera.X_LC.linear();
     Rig rig({}, world, model);
     SeenMap map(model, with_map().map, 0.0, 0.0);
