@@ -306,8 +306,9 @@ TEST(GazeChoice, WhatIsWorthMostComesFirstAndNothingIsLeftOut) {
   GazeChoice choice(camera);
   ASSERT_TRUE(choice.on());
   Isometry X_WL = Isometry::Identity();
-  X_WL.translation() = {0.0, 0.0, 1.0};
-  const std::vector<Sight> sights{{{1.0, 1.0, 1.0}, 50.0}, {{1.0, -1.0, 1.0}, 20.0}, {{-1.0, 0.0, 1.0}, 1000.0}};
+  X_WL.translation() = Vector3(0.0, 0.0, 1.0);
+  const std::vector<Sight> sights{
+      {Vector3(1.0, 1.0, 1.0), 50.0}, {Vector3(1.0, -1.0, 1.0), 20.0}, {Vector3(-1.0, 0.0, 1.0), 1000.0}};
   std::vector<std::pair<double, double>> looked;
   int first = 0;
   for (int frame = 0; frame < 400; ++frame) {
