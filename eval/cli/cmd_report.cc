@@ -71,11 +71,21 @@ reports::DistanceRows::Kind kind_of(const RowId& id) {
   return Kind::kObject;
 }
 
-reports::DistanceRows rows_of(const TrialRows& of) {
+reports::DistanceRows rows_of(const TrialDetail& of) {
   reports::DistanceRows out{of.names, {}};
-  for (const TrialRows::Row& row : of.rows)
+  for (const TrialDetail::Row& row : of.rows)
     out.rows.push_back({row.t, kind_of(row.id), row.first, row.second, row.active, row.id.d, point(row.id.p_first_W),
                         point(row.id.p_second_W)});
+  return out;
+}
+
+reports::MapMotion map_of(const TrialDetail& of) {
+  reports::MapMotion out{of.cell, TrialDetail::kMapRate, {}, {}};
+  const auto numbers = [](const Eigen::Vector3i& cells) { return std::array{cells.x(), cells.y(), cells.z()}; };
+  for (const TrialDetail::Box& box : of.boxes)
+    out.boxes.push_back({box.from, box.to, box.seen, numbers(box.cells.low), numbers(box.cells.high)});
+  for (const TrialDetail::Look& look : of.looks)
+    out.looks.push_back({look.sensor, look.t, look.gaze.pan, look.gaze.tilt});
   return out;
 }
 
@@ -107,16 +117,17 @@ reports::Look robot_look(const std::vector<fs::path>& robots) {
   };
 }
 
-/// Simulates a stored trial's motion and the rows of its QP again, from the store alone. `suites` has to outlive it.
+/// Simulates a stored trial's motion again, with the rows of its QP and its map, from the store alone.
+/// `suites` has to outlive it.
 reports::Simulate simulated_again(run::StoredSuites& suites) {
   return [&suites](const fs::path& db, const std::string& trial) -> std::optional<reports::OwnedSamples> {
     try {
-      TrialRows rows;
-      const run::Replay replay = run::replay(db, trial, suites, &rows);
+      TrialDetail detail;
+      const run::Replay replay = run::replay(db, trial, suites, &detail);
       if (replay.output.trace.empty()) return {};
       store::EncodedSamples encoded = store::encode_samples(replay.output.trace);
-      return reports::OwnedSamples{encoded.layout, encoded.n, store::column_names_of(encoded.columns),
-                                   std::move(encoded.data), rows_of(rows)};
+      return reports::OwnedSamples{encoded.layout,          encoded.n,       store::column_names_of(encoded.columns),
+                                   std::move(encoded.data), rows_of(detail), map_of(detail)};
     } catch (const config::ConfigError& error) {
       throw reports::CannotSimulate(error.what());
     } catch (const store::StoreError& error) {

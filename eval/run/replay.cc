@@ -65,13 +65,13 @@ Suite stored_suite(const fs::path& store, const std::string& name, const std::st
   return suite_from_resolved(resolved, plugins);
 }
 
-Replay replay(const fs::path& store, const std::string& name, StoredSuites& suites, TrialRows* rows) {
+Replay replay(const fs::path& store, const std::string& name, StoredSuites& suites, TrialDetail* detail) {
   Replay replay;
   replay.trial = store::Reader(store).trial(name);
   replay.point = &suites.point_of(replay.trial);
   replay.world = world_of(replay.trial);
   replay.output =
-      rows == nullptr ? run_trial(*replay.point, replay.world) : run_trial(*replay.point, replay.world, *rows);
+      detail == nullptr ? run_trial(*replay.point, replay.world) : run_trial(*replay.point, replay.world, *detail);
   return replay;
 }
 

@@ -44,8 +44,8 @@ struct Replay {
 };
 
 /// `name`: of the trial, or any unique beginning of it. Throws StoreError where there is no such trial or it cannot be
-/// simulated again. `rows`, where they are asked for: of the QP (rows_of_trial.h).
-Replay replay(const fs::path& store, const std::string& name, StoredSuites& suites, TrialRows* rows = nullptr);
+/// simulated again. `detail`, where it is asked for: what its controller went by.
+Replay replay(const fs::path& store, const std::string& name, StoredSuites& suites, TrialDetail* detail = nullptr);
 
 /// Differences between a replay and the stored row.
 struct ReplayDifferences {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 #include <type_traits>
@@ -79,10 +80,10 @@ namespace {
 /// A row whose value is this near to its bound is at it [m/s].
 constexpr double kActive = 1e-7;
 
-/// moma's controller, and after each of its steps the rows of its problem.
-class RowWitness final : public StepController {
+/// moma's controller, and after each of its steps the rows of its problem and the boxes of its map.
+class DetailWitness final : public StepController {
  public:
-  RowWitness(const TrialSpec& spec, TrialRows& out)
+  DetailWitness(const TrialSpec& spec, TrialDetail& out)
       : controller_(spec.robot->model, told_params(spec), spec.simulation.control_period), out_(out) {}
 
   void reset(std::span<const ObjectShape> objects) override {
@@ -91,13 +92,22 @@ class RowWitness final : public StepController {
     for (const auto& link : controller_.model().links) out_.names.push_back(link.name);
     for (const std::string& object : controller_.object_names()) out_.names.push_back(object);
     out_.names.emplace_back("floor");
+    if (controller_.map().on()) out_.cell = controller_.map().map().cell();
+    shown_.assign(controller_.map().count(), kNone);
+    next_ = 0;
   }
-  void see(const DepthFrame& frame) noexcept override { controller_.see(frame); }
+  void see(const DepthFrame& frame) noexcept override {
+    if (controller_.model().sensors[static_cast<std::size_t>(frame.sensor)].sensor.head.turns())
+      out_.looks.push_back({frame.sensor, frame.time, frame.gaze});
+    controller_.see(frame);
+  }
   Gaze gaze(int sensor) const noexcept override { return controller_.gaze(sensor); }
   void step(const Observation& observation, StepResult& result) noexcept override {
     controller_.step(observation, result);
     if (controller_.params().method == Method::kQp && result.status != StepStatus::kInvalidInput)
-      note(observation.time, result.fallback != Fallback::kBrake);
+      note_rows(observation.time, result.fallback != Fallback::kBrake);
+    const auto picture = static_cast<int>(std::floor(observation.time * TrialDetail::kMapRate + 1e-6));
+    if (picture >= next_) note_boxes(picture);
   }
   void prepare(StepResult& result) const override { controller_.prepare(result); }
   std::string_view failure() const noexcept override { return controller_.failure(); }
@@ -105,7 +115,7 @@ class RowWitness final : public StepController {
  private:
   int link_of(int shape) const { return controller_.model().shape(shape).link; }
 
-  void note(double t, bool solved) {
+  void note_rows(double t, bool solved) {
     const QpProblem problem = controller_.final_problem();
     const VectorX& x = controller_.solution().x;
     const int links = static_cast<int>(controller_.model().links.size());
@@ -121,17 +131,45 @@ class RowWitness final : public StepController {
     }
   }
 
+  void note_boxes(int picture) {
+    next_ = picture + 1;
+    const std::span<const ObjectState> states = controller_.map().states();
+    for (std::size_t i = 0; i < shown_.size(); ++i) {
+      const auto in_cells = [&](const Vector3& p) {
+        return Eigen::Vector3i((p / out_.cell).array().round().cast<int>());
+      };
+      const ObjectState& state = states[i];
+      if (!state.visible) {
+        shown_[i] = kNone;
+        continue;
+      }
+      const Vector3 half = 0.5 * state.box, middle = state.X_WO.translation();
+      const CellBox cells{in_cells(middle - half), in_cells(middle + half)};
+      const bool same = shown_[i] != kNone && out_.boxes[shown_[i]].cells.low == cells.low &&
+                        out_.boxes[shown_[i]].cells.high == cells.high;
+      if (!same) {
+        shown_[i] = out_.boxes.size();
+        out_.boxes.push_back({picture, picture, state.seen, cells});
+      }
+      out_.boxes[shown_[i]].to = next_;
+    }
+  }
+
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
   ControllerCore controller_;
-  TrialRows& out_;
+  TrialDetail& out_;
+  std::vector<std::size_t> shown_;  // of each object of the map its box in out_, or kNone
+  int next_ = 0;                    // picture
 };
 
 }  // namespace
 
-TrialOutput run_trial(const TrialSpec& spec, const World& world, TrialRows& rows) {
-  rows = {};
+TrialOutput run_trial(const TrialSpec& spec, const World& world, TrialDetail& detail) {
+  detail = {};
   TrialParts parts;
   if (spec.plugin == nullptr)
-    parts.controller = [&](const TrialSpec& p) { return std::make_unique<RowWitness>(p, rows); };
+    parts.controller = [&](const TrialSpec& p) { return std::make_unique<DetailWitness>(p, detail); };
   return run_trial(spec, world, parts);
 }
 

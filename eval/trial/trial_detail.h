@@ -5,6 +5,7 @@
 
 #include "controller/case/case_file.h"
 #include "controller/config/json.h"
+#include "controller/map/occupancy_map.h"
 #include "controller/qp/problem.h"
 #include "eval/trial/trial.h"
 
@@ -15,9 +16,9 @@ namespace moma {
 /// std::invalid_argument if the trial ends before, or if its controller is a plugin.
 ControlCase case_of_step(const TrialSpec& spec, const World& world, long k);
 
-/// The QP's rows about distances in one trial, as its controller posed them: at the state that it predicted, of the
-/// objects that it sensed.
-struct TrialRows {
+/// What the controller of one trial went by: the QP's rows about distances, at the state that it predicted and of the
+/// objects that it sensed, the boxes of its map, and where its sensors looked.
+struct TrialDetail {
   struct Row {
     double t = 0.0;  ///< of the control step [s]
     RowId id;
@@ -27,11 +28,30 @@ struct TrialRows {
   };
   std::vector<std::string> names;
   std::vector<Row> rows;  ///< step by step, each step's in the order of the problem
+
+  /// A box of the map (controller/map/seen_map.h) that is the same from one picture of the map to another. Picture k is
+  /// of the first step from k / kMapRate on.
+  struct Box {
+    int from = 0;      ///< first picture
+    int to = 0;        ///< the picture after the last
+    bool seen = true;  ///< occupied; false: unseen
+    CellBox cells;     ///< from the origin of the axes of the measured base pose
+  };
+  static constexpr double kMapRate = 4.0;  ///< pictures per second
+  double cell = 0.0;                       ///< edge of a cell of the map [m]; 0 without a map
+  std::vector<Box> boxes;                  ///< by their first picture
+  /// Where the head of a sensor looked, as measured, in a frame that the map got.
+  struct Look {
+    int sensor = 0;  ///< index into RobotModel::sensors
+    double t = 0.0;  ///< at which the frame was taken [s]
+    Gaze gaze;
+  };
+  std::vector<Look> looks;  ///< of heads that turn
 };
 
-/// Simulates a trial as run_trial() does, and writes down the rows of its controller. None of a controller that poses
-/// no QP, or is a plugin.
-TrialOutput run_trial(const TrialSpec& spec, const World& world, TrialRows& rows);
+/// Simulates a trial as run_trial() does, and writes down what its controller went by. There are no rows of a
+/// controller that poses no QP, and nothing of a plugin.
+TrialOutput run_trial(const TrialSpec& spec, const World& world, TrialDetail& detail);
 
 /// The trace file of `moma replay --json`: the inputs (robot, controller, world, simulation, rules, all resolved), the
 /// outcome, and one sample per control step, with the state before the step's command acts. Infinities are the strings

@@ -45,8 +45,8 @@ Json read_stores(const Stores& stores, const ReportOptions& options);
 void add_replays(SQLite::Database& store, const ReportOptions& options, std::int64_t worlds, Json& page);
 
 /// Returns one trial as the page plays it, an element of "replays" and "resolved"; empty if the store lacks the trial.
-/// `trial`: its whole name. `simulate` provides samples that are not stored, and the rows of the QP; without samples
-/// "n" is 0. Propagates exceptions of `simulate` if no samples are stored.
+/// `trial`: its whole name. `simulate` provides samples that are not stored, the rows of the QP and the map; without
+/// samples "n" is 0. Propagates exceptions of `simulate` if no samples are stored.
 std::optional<Json> replay_of(SQLite::Database& store, const std::string& trial, double hz, const Simulate& simulate);
 
 }  // namespace moma::reports

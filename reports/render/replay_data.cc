@@ -73,6 +73,30 @@ Json packed_rows(const DistanceRows& all, const double* t, const std::vector<std
   return {{"names", all.names}, {"n", std::move(counts)}, {"data", packed(planes(values))}};
 }
 
+Json packed_map(const MapMotion& map) {
+  std::vector<std::int16_t> values;
+  const auto column = [&](const auto& value) {
+    for (const MapMotion::Box& box : map.boxes) values.push_back(rounded(value(box), 1.0));
+  };
+  column([](const auto& box) { return box.from; });
+  column([](const auto& box) { return box.to; });
+  column([](const auto& box) { return box.seen ? 1 : 0; });
+  for (std::size_t k = 0; k < 3; ++k) column([&](const auto& box) { return box.low[k]; });
+  for (std::size_t k = 0; k < 3; ++k) column([&](const auto& box) { return box.high[k] - box.low[k]; });
+  std::vector<float> looks;
+  const auto keep = [&](const auto& value) {
+    for (const MapMotion::Look& look : map.looks) looks.push_back(static_cast<float>(value(look)));
+  };
+  keep([](const auto& look) { return look.sensor; });
+  keep([](const auto& look) { return look.t; });
+  keep([](const auto& look) { return coarse(look.pan); });
+  keep([](const auto& look) { return coarse(look.tilt); });
+  return {{"cell", map.cell},
+          {"hz", map.hz},
+          {"data", packed(planes(values))},
+          {"looks", {{"n", map.looks.size()}, {"data", packed(planes(looks))}}}};
+}
+
 }  // namespace
 
 std::vector<double> unpack(const StoredSamples& samples) {
@@ -91,7 +115,7 @@ std::vector<double> unpack(const StoredSamples& samples) {
   return values;
 }
 
-Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* near) {
+Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* near, const MapMotion* map) {
   const std::vector<double> values = unpack(samples);
   const std::size_t n = static_cast<std::size_t>(samples.n);
   const auto column = [&](std::string_view name) -> const double* {
@@ -150,6 +174,7 @@ Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* ne
 
   Json out = {{"hz", hz}, {"n", rows.size()}, {"columns", names}, {"data", packed(planes(kept))}};
   if (near != nullptr) out["rows"] = packed_rows(*near, required("t"), rows);
+  if (map != nullptr && map->cell > 0.0) out["map"] = packed_map(*map);
   return out;
 }
 

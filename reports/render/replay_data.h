@@ -34,6 +34,24 @@ struct DistanceRows {
   std::vector<Row> rows;  ///< by time
 };
 
+/// A controller's map in the course of a trial, and where its sensors looked.
+struct MapMotion {
+  struct Box {
+    int from = 0, to = 0;              ///< pictures of the map: shown from one on, until before the other
+    bool seen = true;                  ///< occupied; false: unseen
+    std::array<int, 3> low{}, high{};  ///< corners in the world, in cells
+  };
+  double cell = 0.0;  ///< edge of a cell [m]; 0 without a map
+  double hz = 0.0;    ///< pictures per second
+  std::vector<Box> boxes;
+  struct Look {
+    int sensor = 0;                ///< index into the robot's sensors
+    double t = 0.0;                ///< [s]
+    double pan = 0.0, tilt = 0.0;  ///< angles of its head [rad]
+  };
+  std::vector<Look> looks;
+};
+
 /// The same, owned: a trial simulated again.
 struct OwnedSamples {
   int layout = 0;
@@ -41,6 +59,7 @@ struct OwnedSamples {
   std::vector<std::string> columns;
   std::vector<unsigned char> data;
   DistanceRows rows;
+  MapMotion map = {};
   StoredSamples view() const { return {layout, n, columns, {reinterpret_cast<const char*>(data.data()), data.size()}}; }
 };
 
@@ -54,7 +73,10 @@ std::vector<double> unpack(const StoredSamples& samples);
 /// 16 binary digits, of a controller that looks ahead also plan_..., detour, detour_x and detour_y. Throws
 /// std::runtime_error on data that does not fit its layout. With `rows` also "rows": {"names", "n", "data"}: how many
 /// rows each sample kept has, and of all of them, column by column, kind + 8 if active, first, second, d [0.1 mm], the
-/// six coordinates [mm], each of 16 bits, packed() as planes.
-Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* rows = nullptr);
+/// six coordinates [mm], each of 16 bits, packed() as planes. With a `map` also "map": {"cell", "hz", "data", "looks"}:
+/// of all boxes, column by column, from, to, 1 if seen, the low corner, the edges [cells], packed() likewise; "looks":
+/// {"n", "data"}, with the columns sensor, t, pan, tilt as float32.
+Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* rows = nullptr,
+                 const MapMotion* map = nullptr);
 
 }  // namespace moma::reports

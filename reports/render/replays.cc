@@ -23,7 +23,7 @@ Json head(SQLite::Statement& row) {
           {"world", parse_stored(row.getColumn("json_world").getString())}};
 }
 
-/// Simulates a trial again; empty if this program cannot. Other failures leave the page without the rows of the QP.
+/// Simulates a trial again; empty if this program cannot: the page then has neither the rows of the QP nor the map.
 std::optional<OwnedSamples> again(const SQLite::Database& store, const Simulate& simulate, const std::string& trial) {
   try {
     return simulate ? simulate(store.getFilename(), trial) : std::nullopt;
@@ -33,11 +33,12 @@ std::optional<OwnedSamples> again(const SQLite::Database& store, const Simulate&
 }
 
 /// Adds a trial's motion at `hz` samples per second: the stored samples, or else those of a new simulation, which also
-/// gives the rows of the QP. Returns false if there is neither.
+/// gives the rows of the QP and the map. Returns false if there is neither.
 bool add_motion(SQLite::Statement& row, const std::optional<OwnedSamples>& made, double hz, Json& replay) {
   const bool stored = !row.getColumn("n").isNull() && row.getColumn("n").getInt64() > 0;
   if (!stored && (!made || made->n == 0)) return false;
-  replay.update(replay_data(stored ? samples_of(row) : made->view(), hz, made ? &made->rows : nullptr));
+  replay.update(replay_data(stored ? samples_of(row) : made->view(), hz, made ? &made->rows : nullptr,
+                            made ? &made->map : nullptr));
   return true;
 }
 

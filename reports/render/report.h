@@ -23,8 +23,8 @@ class CannotSimulate : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Simulates a trial again: its samples and the rows of its QP; nothing where it has no samples. Throws CannotSimulate
-/// where that cannot be done here.
+/// Simulates a trial again: its samples, the rows of its QP and its map; nothing where it has no samples.
+/// Throws CannotSimulate where that cannot be done here.
 using Simulate =
     std::function<std::optional<OwnedSamples>(const std::filesystem::path& store, const std::string& trial)>;
 
@@ -40,7 +40,7 @@ struct ReportOptions {
   int twins = 12;  ///< of so many failures with motion the page has a success in the same world too, to play beside it
   std::string notes;  ///< of the page's author, Markdown, for its head
   Look look;          ///< what robots look like; without it they are shown as the shapes that count in collisions
-  Simulate simulate;  ///< for rows of the QP, and trials without samples; without it both are left out
+  Simulate simulate;  ///< for rows, maps, and trials without samples; without it they are left out
   files::Replace replace = files::Replace::kOwn;  ///< what may stand where the page goes
 };
 

@@ -1,8 +1,13 @@
-// The trace file: complete, in the documented form, and true to the kinematics it claims.
+// The trace file: complete, in the documented form, and true to the kinematics it claims. The boxes of a map, against
+// its cells.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
+#include "controller/controller_core.h"
 #include "eval/trial/trial.h"
 #include "eval/trial/trial_detail.h"
 #include "tests/eval/suite_fixture.h"
@@ -80,6 +85,105 @@ TEST_F(TrialTrace, TheWorldInItGivesTheSameTrial) {
   EXPECT_EQ(again_.steps, row_.steps);
   EXPECT_EQ(again_.path_ee_m, row_.path_ee_m);
   EXPECT_EQ(again_.jerk_joint_rms, row_.jerk_joint_rms);
+}
+
+/// moma's controller; its map and where its base is in the steps that are kept, and where its head looks.
+struct MapWitness final : StepController {
+  struct Picture {
+    OccupancyMap map;
+    Vector3 base;
+    int left_out;
+  };
+  MapWitness(const TrialSpec& spec, std::map<int, Picture>& pictures_out, std::map<double, Gaze>& gazes_out)
+      : controller(spec.robot->model, told_params(spec), spec.simulation.control_period),
+        pictures(pictures_out),
+        gazes(gazes_out) {}
+  void reset(std::span<const ObjectShape> objects) override { controller.reset(objects); }
+  void see(const DepthFrame& frame) noexcept override {
+    if (frame.sensor == 0) gazes[frame.time] = frame.gaze;
+    controller.see(frame);
+  }
+  Gaze gaze(int sensor) const noexcept override { return controller.gaze(sensor); }
+  void step(const Observation& o, StepResult& result) noexcept override {
+    controller.step(o, result);
+    const SeenMap& map = controller.map();
+    pictures.try_emplace(static_cast<int>(o.time * TrialDetail::kMapRate + 1e-6), map.map(), o.base, map.left_out());
+  }
+  void prepare(StepResult& result) const override { controller.prepare(result); }
+
+  ControllerCore controller;
+  std::map<int, Picture>& pictures;
+  std::map<double, Gaze>& gazes;  // of the first sensor
+};
+
+// Where boxes are made with each frame they are the cells, to the last one. The front camera is on a head.
+TEST(TrialDetail, HasTheBoxesOfTheMapsCellsAndWhereTheHeadLooks) {
+  const Suite suite =
+      load_suite(MOMA_SOURCE_DIR "/configs/suites/depth.yaml",
+                 {{"simulation", "{mode: kinematic, time_limit: 0.8}"},
+                  {"robot", "{include: " MOMA_SOURCE_DIR "/configs/robots/frankie_cameras.yaml, sensors: ["
+                            "{name: front, position: [-0.23, 0, 1.5], rpy: [0, 0.7, 0], field_of_view: [1.571, "
+                            "1.571], head: {axes: [-0.28, 0, 1.5], pan: [-2, 2], tilt: [-0.5, 0.5]}}, "
+                            "{name: scanner, position: [0.3, 0.2, 0.2], field_of_view: [4.712, 0], columns: "
+                            "540, rows: 1, range: 8, rate: 15}]}"},
+                  {"controllers.moma.plan", "none"},
+                  {"controllers.moma.map.often", "0"},
+                  {"controllers.moma.map.boxes", "2000"},
+                  {"controllers.moma.map.unseen.least", "0"}});
+  const SuitePoint& point = suite.points[0];
+  const World world = point.worlds.make(point.robot->model, 0);
+  TrialDetail detail;
+  run_trial(point, world, detail);
+  std::map<int, MapWitness::Picture> pictures;
+  std::map<double, Gaze> gazes;
+  TrialParts parts;
+  parts.controller = [&](const TrialSpec& spec) { return std::make_unique<MapWitness>(spec, pictures, gazes); };
+  run_trial(point, world, parts);
+  ASSERT_EQ(pictures.size(), 4u);
+  EXPECT_EQ(detail.cell, 0.05);
+  int changed = 0;
+  for (const auto& [picture, at] : pictures) {
+    std::map<int, int> covered;  // of the window's cells, how often
+    Eigen::Vector3i c;
+    const Eigen::Vector3i cells = at.map.cells();
+    const auto number = [&] { return (c.x() * cells.y() + c.y()) * cells.z() + c.z(); };
+    int unseen = 0;
+    for (const TrialDetail::Box& box : detail.boxes) {
+      changed += box.from == picture || box.to == picture ? 1 : 0;
+      if (picture < box.from || box.to <= picture) continue;
+      const Eigen::Vector3i low = box.cells.low - at.map.origin(), high = box.cells.high - at.map.origin();
+      for (c.x() = low.x(); c.x() < high.x(); ++c.x())
+        for (c.y() = low.y(); c.y() < high.y(); ++c.y())
+          for (c.z() = low.z(); c.z() < high.z(); ++c.z()) {
+            EXPECT_EQ(at.map.occupied(c), box.seen) << picture << ": " << c.transpose();
+            EXPECT_EQ(at.map.unseen(c), !box.seen) << picture << ": " << c.transpose();
+            if (box.seen) ++covered[number()];
+            unseen += box.seen ? 0 : 1;
+          }
+    }
+    EXPECT_GT(unseen, 100);
+    ASSERT_EQ(at.left_out, 0);
+    int occupied = 0;
+    const Eigen::Vector3i middle = at.map.cell_of(at.base);
+    for (c.x() = middle.x() - 49; c.x() <= middle.x() + 49; ++c.x())
+      for (c.y() = middle.y() - 49; c.y() <= middle.y() + 49; ++c.y())
+        for (c.z() = 0; c.z() < cells.z(); ++c.z()) {
+          if (!at.map.occupied(c)) continue;
+          ++occupied;
+          const auto found = covered.find(number());
+          EXPECT_EQ(found == covered.end() ? 0 : found->second, 1) << picture << ": " << c.transpose();
+        }
+    EXPECT_GT(occupied, 50);
+  }
+  EXPECT_GT(changed, 20);
+  ASSERT_EQ(detail.looks.size(), gazes.size());
+  double turned = 0.0;
+  for (const TrialDetail::Look& look : detail.looks) {
+    EXPECT_EQ(look.sensor, 0);
+    EXPECT_EQ(look.gaze, gazes.at(look.t));
+    turned = std::max(turned, std::abs(look.gaze.pan));
+  }
+  EXPECT_GT(turned, 0.1);
 }
 
 }  // namespace

@@ -39,6 +39,17 @@ Table unpack(const nlohmann::json& replay) {
   return table;
 }
 
+/// The same of numbers of 16 bits, of which `n` are expected.
+std::vector<int> numbers16(const nlohmann::json& data, std::size_t n) {
+  const std::vector<unsigned char> bytes = unpacked(data, 2 * n);
+  std::vector<int> values;
+  EXPECT_EQ(bytes.size(), 2 * n);
+  for (std::size_t i = 0; 2 * i < bytes.size(); ++i)
+    values.push_back(static_cast<std::int16_t>(static_cast<unsigned>(bytes[i]) |
+                                               static_cast<unsigned>(bytes[bytes.size() / 2 + i]) << 8));
+  return values;
+}
+
 /// Samples of `n` steps of 20 ms with recognizable numbers, and their zstd frame.
 struct Made {
   std::vector<double> values;
@@ -132,15 +143,31 @@ TEST(ReplayData, RowsComeWithTheirSamples) {
   const nlohmann::json packed = replay_data(made.samples, 10.0, &rows).at("rows");
   EXPECT_EQ(packed.at("names"), nlohmann::json({"hand", "sphere3"}));
   EXPECT_EQ(packed.at("n"), nlohmann::json({2, 1, 0}));
-  const std::vector<unsigned char> bytes = unpacked(packed.at("data"), 100);
-  ASSERT_EQ(bytes.size(), 60u);
-  std::vector<int> values;
-  for (std::size_t i = 0; i < 30; ++i)
-    values.push_back(
-        static_cast<std::int16_t>(static_cast<unsigned>(bytes[i]) | static_cast<unsigned>(bytes[30 + i]) << 8));
-  EXPECT_EQ(values, (std::vector<int>{8,     1, 2, 0,    0, 1, 1,   1, 0, 2500, -100, 0, 500,   1, 0,
-                                      -1000, 0, 0, 2000, 0, 0, 750, 0, 0, 0,    0,    0, 32767, 0, 0}));
+  EXPECT_EQ(numbers16(packed.at("data"), 30),
+            (std::vector<int>{8,     1, 2, 0,    0, 1, 1,   1, 0, 2500, -100, 0, 500,   1, 0,
+                              -1000, 0, 0, 2000, 0, 0, 750, 0, 0, 0,    0,    0, 32767, 0, 0}));
   EXPECT_FALSE(replay_data(made.samples, 10.0).contains("rows"));
+}
+
+// Boxes in cells, as 16-bit numbers column by column, and looks as float32.
+TEST(ReplayData, AMapAndWhereSensorsLooked) {
+  const Made made(11);
+  const MapMotion map{0.05,
+                      4.0,
+                      {{0, 3, true, {-20, 1, 2}, {-18, 2, 12}}, {1, 2, false, {300, 0, 0}, {301, 16, 1}}},
+                      {{2, 0.5, -1.25, 0.75}, {2, 0.625, 0.0, 0.5}}};
+  const nlohmann::json packed = replay_data(made.samples, 10.0, nullptr, &map).at("map");
+  EXPECT_EQ(packed.at("cell"), 0.05);
+  EXPECT_EQ(packed.at("hz"), 4.0);
+  EXPECT_EQ(numbers16(packed.at("data"), 18),
+            (std::vector<int>{0, 1, 3, 2, 1, 0, -20, 300, 1, 0, 2, 0, 2, 1, 1, 16, 10, 1}));
+  EXPECT_EQ(replay_data(made.samples, 10.0, nullptr, &map).count("rows"), 0u);
+  nlohmann::json looks = packed.at("looks");
+  looks["columns"] = {"sensor", "t", "pan", "tilt"};
+  EXPECT_EQ(unpack(looks),
+            (Table{{"sensor", {2, 2}}, {"t", {0.5, 0.625}}, {"pan", {-1.25, 0}}, {"tilt", {0.75, 0.5}}}));
+  const MapMotion none;
+  EXPECT_FALSE(replay_data(made.samples, 10.0, nullptr, &none).contains("map"));
 }
 
 TEST(ReplayData, OneSample) { EXPECT_EQ(unpack(replay_data(Made(1).samples, 10.0)).at("t").size(), 1u); }

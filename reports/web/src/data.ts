@@ -85,6 +85,8 @@ export interface ReplayData {
   trial: string; robot: string; world: unknown; hz: number; n: number; columns: string[]; data: string;
   /** Rows of the QP, if the trial was simulated again for them (replay/rows.ts). */
   rows?: { names: string[]; n: number[]; data: string };
+  /** The controller's map, likewise (replay/map.ts). */
+  map?: { cell: number; hz: number; data: string; looks: { n: number; data: string } };
 }
 
 /** Answer of `moma view`: the motion with its robot. Samples can be simulated anew. */

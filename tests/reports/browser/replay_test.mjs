@@ -4,7 +4,7 @@
 import { execFileSync, spawn } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { inflateSync } from 'node:zlib';
+import { deflateSync, inflateSync } from 'node:zlib';
 
 import { accessible, check, coloursOf, dataOf, drawn, end, kPython, launch, near, opener, packagesOf, picture, strip, workshop } from './kit.mjs';
 
@@ -23,6 +23,12 @@ const column = (replay, name) => {
   for (let k = 0; k < 4; ++k) for (let i = 0; i < count; ++i) bytes[4 * i + k] = planes[k * count + i];
   const at = replay.columns.indexOf(name);
   return Array.from({ length: replay.n }, (_, i) => bytes.readFloatLE(4 * (at * replay.n + i)));
+};
+/** Rows of numbers as reports/render packs them: column by column, in planes of bytes. */
+const packed = (Kind, rows) => {
+  const values = Kind.from(rows[0].flatMap((_, column_) => rows.map((row) => row[column_])));
+  const [bytes, size] = [Buffer.from(values.buffer), Kind.BYTES_PER_ELEMENT];
+  return deflateSync(Buffer.from([...Array(size).keys()].flatMap((k) => [...values.keys()].map((i) => bytes[size * i + k])))).toString('base64');
 };
 /** Chooses a motion of the list and moves its time line to each of `times`; what the scene tells then. */
 const tellAt = (page, i, trial, times) => page.evaluate(async ([place, name, moments]) => {
@@ -66,6 +72,30 @@ const checkKinematics = async (page, pageData) => {
     check(near(Number(begin.positionError), stored, 1e-5), `trial ${replay.trial}: end effector ${begin.positionError} m from the goal, stored ${stored} m`);
     const last = column(replay, 'error_position').pop();
     check(near(Number(end.positionErrorNow), last, 1e-5), `trial ${replay.trial}: at the end ${end.positionErrorNow} m from the goal, stored ${last} m`);
+  }
+};
+/** The map and the sensors' fields: what is in the scene when, which switches there are, and that each draws. */
+const checkLayers = async (page, pageData, mapped) => {
+  const switches = page.locator('.transport label', { hasText: /^ (occupied|unseen|sensor fields)$/ });
+  const offered = async () => (await switches.allInnerTexts()).map((text) => text.trim()).join();
+  check((await offered()).endsWith('sensor fields') && !(await switches.first().isVisible()), `a motion without a map has the switch of its sensors alone: ${await offered()}`);
+  const told = await tellAt(page, mapped, pageData.replays[mapped].trial, [0, 0.24, 0.25, 1e6]);
+  const boxes = told.map(({ occupied, unseen }) => `${occupied} ${unseen}`).join();
+  check(boxes === '1 1,1 1,2 0,2 0', `boxes of occupied and unseen cells at four times: ${boxes}`);
+  const lit = async () => (await switches.locator('input').evaluateAll((inputs) => inputs.map((input) => Number(input.checked)))).join('');
+  check((await switches.count()) === 3 && (await lit()) === '110', `the map is shown, fields are not: ${await lit()}`);
+  await tellAt(page, mapped, pageData.replays[mapped].trial, [0]);
+  const names = ['occupied cells of the map', 'unseen cells', 'what a sensor can see'];
+  const shown = async () => ({ pixels: await picture(page), legend: await page.locator('.replay-legend').innerText() });
+  await switches.last().locator('input').check();
+  const all = await shown();
+  for (const [i, words] of names.entries()) {
+    await switches.nth(i).locator('input').uncheck();
+    const { pixels, legend } = await shown();
+    await switches.nth(i).locator('input').check();
+    const differ = pixels.filter((pixel, at) => pixel.some((v, c) => Math.abs(v - all.pixels[at][c]) > 8)).length;
+    check(differ > 200, `${words} are ${differ} pixels`);
+    check(all.legend.includes(words) && !legend.includes(words), `the legend with and without ${words}: ${all.legend}; ${legend}`);
   }
 };
 /** Pixels in the goal's colour, which nothing else in a world without objects has. */
@@ -137,7 +167,7 @@ const replayOnPhone = async (page, scheme) => {
 // ---- parts of the scene without drawing: wheels, the hand at the goal, the path's colours -----------------------------------
 {
   const { outputFiles } = await packagesOf(source)('esbuild').build({
-    stdin: { contents: ['robot', 'look', 'marks', 'captioned_picture', 'trace', 'rows'].map((name) => `export * from './replay/${name}';`).join('') + "export * as three from 'three';", resolveDir: join(source, 'reports/web/src'), loader: 'ts' },
+    stdin: { contents: ['robot', 'look', 'map', 'marks', 'captioned_picture', 'trace', 'rows'].map((name) => `export * from './replay/${name}';`).join('') + "export * as three from 'three';", resolveDir: join(source, 'reports/web/src'), loader: 'ts' },
     bundle: true, write: false, format: 'iife', globalName: 'parts', target: 'es2022',
   });
   const context = await browser.newContext();
@@ -157,7 +187,7 @@ const replayOnPhone = async (page, scheme) => {
     },
   };
   const told = await page.evaluate((json) => {
-    const { Robot, skins, wheels, goalMark, handPath, poseAt, Trace, carried, three } = window.parts;
+    const { Robot, skins, wheels, fieldMark, gazeAt, goalMark, handPath, poseAt, Trace, carried, three } = window.parts;
     const robot = new Robot(json);
     const columns = ['t', 'base_x', 'base_y', 'base_phi', 'q0', 'q1', 'q2'];
     const values = [[0, 0.5, 1, 2, 4], [0, 0.1, 0.3, 0.8, 1], [0, 0, -0.2, -0.4, -0.5], [0, 0.2, 0.5, 0.9, 1.4], [0, 0.3, 0.1, -0.8, -1], [0.5, 0.4, 0, -0.3, -1], [0, 0.9, 1.1, 0.3, -1.2]];
@@ -197,11 +227,21 @@ const replayOnPhone = async (page, scheme) => {
     const lifted = { then: new three.Matrix4().setPosition(5, 5, 5), now: new three.Matrix4().setPosition(5, 5, 6) };
     const [row] = carried([{ kind: 'object', link: 'd', other: 'ball', d: 0, active: false, first: new three.Vector3(1, 0, 0), second: new three.Vector3(0, 2, 0) }], (name, when) => (name === 'd' ? turned : lifted)[when]);
     const ends = [row.first, row.second].map((point) => point.toArray());
+    // Directions of the outermost corners of two fields, and where a camera that pans looks.
+    const sensor = { link: 'd', position: [0.1, 0.2, 0.3], rpy: [0, 0.5, 0], field_of_view: [1.2, 0.8], range: 2, head: { axes: [0.1, 0, 0.3] } };
+    const fields = [sensor, { field_of_view: [4.7, 0], range: 5 }].map((of) => {
+      const corners = fieldMark(of, '#0000ff').children[0].geometry.getAttribute('position');
+      const points = [...Array(corners.count).keys()].map((i) => new three.Vector3().fromBufferAttribute(corners, i)).filter((point) => point.length() > 0);
+      return [(point) => Math.abs(Math.atan2(point.y, point.x)), (point) => Math.abs(Math.asin(point.z / point.length())), (point) => point.length()].map((of_) => Math.max(...points.map(of_)));
+    });
+    const looked = { looks: [undefined, [{ t: 1, pan: 0, tilt: 0.4 }, { t: 2, pan: 1.4, tilt: 0 }]] };
+    const gazes = [0, 1.5, 3].map((t) => gazeAt(looked, 1, t)).concat(gazeAt(looked, 0, 1), gazeAt(null, 0, 1)).map(({ pan, tilt }) => [pan, tilt]);
+    const seenAt = [{ pan: 0.7, tilt: 0.3 }, { pan: 0, tilt: 0 }].map((gaze) => robot.pose('d').clone().invert().multiply(robot.sensorPose(sensor, gaze)).elements);
     const { all, travelled } = handPath(robot, trace, '#ff0000', '#0000ff');
     const shades = all.geometry.getAttribute('instanceColorStart');
     const lineEnd = all.geometry.getAttribute('instanceColorEnd');
     return {
-      written, boxes, balls, hands: hands.map((child) => child.name), links: own.map(({ link }) => link), apart, ends,
+      fields, gazes, seenAt, written, boxes, balls, hands: hands.map((child) => child.name), links: own.map(({ link }) => link), apart, ends,
       reds: [...Array(shades.count).keys()].map((i) => shades.getX(i)).concat(lineEnd.getX(lineEnd.count - 1)), pieces: travelled.geometry.getAttribute('instanceStart').count,
     };
   }, robot);
@@ -214,6 +254,13 @@ const replayOnPhone = async (page, scheme) => {
   check(told.boxes.length === 4 && told.boxes.flat(2).every((v, i) => near(v, wanted.flat(2)[i], 1e-3)), `four wheels on their axles and on the floor: ${JSON.stringify(told.boxes)}`);
   check(told.balls.join() === '0.02', `a ball as large as the tolerance: ${told.balls}`);
   check(told.hands.join() === 'hand: d,hand: e' && told.links.join() === 'd,e', `the hand at the goal is what the last joint moves: ${told.hands}`);
+  check(told.fields.flat().every((v, i) => near(v, [0.6, 0.4, 2, 2.35, 0, 5][i], 1e-6)), `azimuth, elevation and range of fields: ${JSON.stringify(told.fields)}`);
+  check(told.gazes.flat().every((v, i) => near(v, [0, 0.4, 0.7, 0.2, 1.4, 0, 0, 0, 0, 0][i], 1e-9)), `where a head looks before, between and after its frames, and one that does not turn: ${JSON.stringify(told.gazes)}`);
+  for (const [i, [pan, down]] of [[0.7, 0.8], [0, 0.5]].entries()) {
+    const e = told.seenAt[i];
+    const wanted_ = [Math.cos(down) * Math.cos(pan), Math.cos(down) * Math.sin(pan), -Math.sin(down), 0.1 - 0.2 * Math.sin(pan), 0.2 * Math.cos(pan), 0.3];
+    check([e[0], e[1], e[2], e[12], e[13], e[14]].every((v, k) => near(v, wanted_[k], 1e-6)), `a camera that looks ${pan} to its side and ${down} down: along ${e.slice(0, 3)} from ${e.slice(12, 15)}`);
+  }
   check(told.apart < 1e-5, `the hand at the goal is the hand as it arrives, within ${told.apart}`);
   check([[1, 1, 0], [0, 2, 1]].every((wanted_, i) => wanted_.every((v, k) => near(v, told.ends[i][k], 1e-9))), `ends of rows go with what they are on: ${JSON.stringify(told.ends)}`);
   check(told.reds.every((red, i) => near(red, 1 - [0, 0.5, 1, 2, 4][i] / 4, 0.01)) && told.pieces === 4, `the path is coloured by time: ${told.reds}`);
@@ -246,7 +293,16 @@ const replayOnPhone = async (page, scheme) => {
   const rowOf = (trial) => data.trials.columns.trial.codes.findIndex((code) => data.trials.columns.trial.values[code] === trial);
   const empty = data.replays.findIndex(({ trial }) => families[rowOf(trial)] === 'open');
   const bare = demo.replace('demo.html', 'bare.html');
-  writeFileSync(bare, readFileSync(demo, 'utf8').replace('"wheels":{"radius":0.12,"separation":0.66}', '"wheels":{}'));
+  // Without wheels, with two sensors, and with a map of one motion: two boxes of occupied cells, of which one comes later, and one of
+  // unseen cells that goes.
+  const mapped = (empty + 1) % data.replays.length;
+  const changed = structuredClone(data);
+  for (const robot of Object.values(changed.robots)) {
+    robot.base.wheels = {};
+    robot.sensors = [{ name: 'camera', link: '', position: [0.2, 0, 1], rpy: [0, 0.5, 0], field_of_view: [1.2, 0.9], range: 2, head: { pan: [-1, 1] } }, { name: 'scanner', field_of_view: [4.7, 0], range: 4 }];
+  }
+  changed.replays[mapped].map = { cell: 0.05, hz: 4, looks: { n: 2, data: packed(Float32Array, [[0, 0, 0, 0], [0, 1, 0.8, 0.1]]) }, data: packed(Int16Array, [[0, 9, 1, -20, -20, 0, 40, 16, 16], [0, 1, 0, -20, 30, 0, 40, 16, 16], [1, 9, 1, -50, 0, 0, 16, 16, 16]]) };
+  writeFileSync(bare, readFileSync(demo, 'utf8').replace(/(id="moma-data">).*?(<\/script)/s, (_, head, tail) => head + JSON.stringify(changed).replaceAll('<', '\\u003c') + tail));
   const seen = async (where) => {
     await where.setViewportSize({ width: 420, height: 500 });
     await where.locator('.stage').scrollIntoViewIfNeeded();
@@ -261,6 +317,7 @@ const replayOnPhone = async (page, scheme) => {
   const without = await seen(other.page);
   const darker = small.filter((pixel, i) => without[i] !== undefined && pixel[0] + pixel[1] + pixel[2] < without[i][0] + without[i][1] + without[i][2] - 60).length;
   check(small.length === without.length && darker > 30, `the wheels are ${darker} pixels, of ${small.length} and ${without.length}`);
+  await checkLayers(other.page, changed, mapped);
   await other.context.close();
   await strip(page);
   await checkTolerances(page, data, data.replays[empty], false, 1);
@@ -405,6 +462,25 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
   check(seen > 5 && active > 0, `${name}: ${seen} distances compared, ${active} active rows`);
   if (screenshots !== undefined) await page.locator('.replay').screenshot({ path: join(screenshots, `replay-${name}.png`) });
   await context.close();
+}
+
+// ---- a controller that is told by depth: the boxes of its map are where the world's objects are -----------------------
+if (moma !== undefined) {
+  const [db, html] = ['depth.db', 'depth.html'].map((name) => join(work, name));
+  execFileSync(moma, ['run', join(source, 'configs/suites/depth.yaml'), '-o', db, '--trials', '1', '--quiet', ...['samples=all', 'simulation={mode: kinematic, time_limit: 0.6}'].flatMap((set) => ['--set', set])],
+    { stdio: ['ignore', 'ignore', 'inherit'] });
+  execFileSync(moma, ['report', db, '-o', html], { stdio: 'ignore' });
+  const { replays: [{ map, world, robot }], robots } = dataOf(html);
+  check(robots[robot].sensors.length === 6, 'the robot comes with its sensors');
+  const planes = inflateSync(Buffer.from(map.data, 'base64'));
+  const count = planes.length / 18;
+  const boxes = Array.from({ length: count }, (_, i) => Array.from({ length: 9 }, (_column, c) => ((planes[c * count + i] | (planes[(9 + c) * count + i] << 8)) << 16) >> 16));
+  const occupied = boxes.filter((box) => box[2] === 1);
+  check(map.cell === 0.05 && map.hz === 4 && occupied.length > 50 && boxes.length > occupied.length, `${occupied.length} of ${boxes.length} boxes are of occupied cells`);
+  check(boxes.every(([from, to, , , , , ...edges]) => from >= 0 && from < to && to <= 3 && edges.every((edge) => edge >= 1 && edge <= 16)), 'boxes have a time and edges');
+  const gap = (box, { position, shape, size }) => Math.hypot(...position.map((p, k) => Math.max(0, map.cell * box[3 + k] - p, p - map.cell * (box[3 + k] + box[6 + k])))) - Math.hypot(...size) / (shape === 'box' ? 2 : 1);
+  const strays = occupied.filter((box) => world.objects.every((object) => gap(box, object) > 0.1));
+  check(strays.length === 0, `boxes where no object is: ${JSON.stringify(strays)}`);
 }
 
 // ---- a controller that looks ahead, its path on the floor and its reasons in words; one that makes detours -----------

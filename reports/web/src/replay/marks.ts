@@ -1,24 +1,24 @@
 // Marks of a scene, beside robot and objects: colours, a grid, axes, arrows, paths, the goal.
 
-import { BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshStandardMaterial, SphereGeometry, TorusGeometry, Vector3 } from 'three';
+import { BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial, SphereGeometry, TorusGeometry, Vector3 } from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 
 import { palette } from '../theme';
 import { poseAt, type Skin } from './look';
-import type { Robot } from './robot';
+import type { Robot, SensorJson } from './robot';
 import type { Row } from './rows';
 import type { Trace } from './trace';
 
 export interface Colours {
-  background: string; floor: string; grid: string; base: string; arm: string; object: string; moving: string; hit: string; goal: string; path: string; begin: string; ghost: string; wheel: string; plan: string;
+  background: string; floor: string; grid: string; base: string; arm: string; object: string; moving: string; hit: string; goal: string; path: string; begin: string; ghost: string; wheel: string; plan: string; occupied: string; unseen: string; field: string;
 }
 
 export function colours(): Colours {
   return palette().dark
-    ? { background: '#171b21', floor: '#1b2027', grid: '#2c343f', base: '#8794a6', arm: '#d7dde6', object: '#6b6257', moving: '#8a7450', hit: '#e2664c', goal: '#dcb45a', path: '#7fb0e6', begin: '#5d6570', ghost: '#cb64a3', wheel: '#4a525e', plan: '#4fb3a0' }
-    : { background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f', begin: '#9db4cc', ghost: '#b8447b', wheel: '#3a424d', plan: '#1f8a78' };
+    ? { background: '#171b21', floor: '#1b2027', grid: '#2c343f', base: '#8794a6', arm: '#d7dde6', object: '#6b6257', moving: '#8a7450', hit: '#e2664c', goal: '#dcb45a', path: '#7fb0e6', begin: '#5d6570', ghost: '#cb64a3', wheel: '#4a525e', plan: '#4fb3a0', occupied: '#9a86e0', unseen: '#8d98a5', field: '#4aa8dc' }
+    : { background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f', begin: '#9db4cc', ghost: '#b8447b', wheel: '#3a424d', plan: '#1f8a78', occupied: '#6a4fb3', unseen: '#5f6a75', field: '#1f86c0' };
 }
 
 /** Lines one metre apart, in pieces of one metre: some drivers drop a long line that begins behind the camera. */
@@ -106,6 +106,35 @@ export function floorPath(places: readonly (readonly [number, number])[], colour
   const ring = new Mesh(new TorusGeometry(0.09, 0.012, 8, 32), new MeshStandardMaterial({ color: new Color(colour), roughness: 0.8 }));
   ring.position.set(x, y, above);
   group.add(ring);
+  return group;
+}
+
+/** Most that two rays of a drawn field are apart [rad]. */
+const kApart = 0.1;
+
+/** Field of view of a sensor to its range, in the sensor's axes: a part of a ball, flat where there is one row of rays. */
+export function fieldMark({ field_of_view: [azimuth = 0, elevation = 0], range }: SensorJson, colour: string): Group {
+  const [columns, rows] = [Math.ceil(azimuth / kApart), Math.ceil(elevation / kApart)];
+  const point = (column: number, row: number): Vector3 => {
+    const [a, e] = [azimuth * (column / columns - 0.5), rows === 0 ? 0 : elevation * (row / rows - 0.5)];
+    return new Vector3(Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)).multiplyScalar(range);
+  };
+  const steps = (n: number): number[] => Array.from({ length: n }, (_, i) => i);
+  // The ends of the outermost rays, piece by piece.
+  const rim = [...new Set([0, rows])].flatMap((k) => steps(columns).map((i) => [point(i, k), point(i + 1, k)]))
+    .concat([0, columns].flatMap((i) => steps(rows).map((k) => [point(i, k), point(i, k + 1)])));
+  const origin = new Vector3();
+  const sides = rim.flatMap((piece) => [origin, ...piece]);
+  const cap = steps(columns).flatMap((i) => steps(rows).flatMap((k) => {
+    const [a, b, c, d] = [point(i, k), point(i + 1, k), point(i + 1, k + 1), point(i, k + 1)];
+    return [a, b, c, a, c, d];
+  }));
+  const corners = [point(0, 0), point(columns, 0), point(0, rows), point(columns, rows)].flatMap((corner) => [origin, corner]);
+  const glass = { color: new Color(colour), transparent: true, depthWrite: false };
+  const group = new Group().add(
+    new Mesh(new BufferGeometry().setFromPoints([...sides, ...cap]), new MeshBasicMaterial({ ...glass, opacity: 0.035, side: DoubleSide })),
+    new LineSegments(new BufferGeometry().setFromPoints([...rim.flat(), ...corners]), new LineBasicMaterial({ ...glass, opacity: 0.6 })));
+  group.matrixAutoUpdate = false;
   return group;
 }
 

@@ -13,6 +13,7 @@ import * as state from '../state';
 import { onTheme, outcomeColour, palette } from '../theme';
 import { onView } from '../view';
 import { listed, MotionList, motionsNote, SecondMotion } from './motions';
+import { readMap } from './map';
 import { colours } from './marks';
 import { Joints } from './joints';
 import { readLook, type Part } from './look';
@@ -22,11 +23,17 @@ import { Playback } from './playback';
 import { Robot } from './robot';
 import { readRows, RowWords } from './rows';
 import { filmButton, pictureButton, type Shown } from './saving';
-import { reachedTimes, ReplayScene, type WorldJson } from './scene';
+import { reachedTimes, ReplayScene, type Layer, type WorldJson } from './scene';
 import { signals, statusAt, Timeline } from './timeline';
 import { decode, type Trace } from './trace';
 
 const kSpeeds = [0.25, 0.5, 1, 2, 4] as const;
+/** Switches of what a motion may have beside the robot and the objects. */
+const kLayers: readonly { layer: Layer; name: string; title: string; on: boolean }[] = [
+  { layer: 'occupied', name: 'occupied', title: 'Boxes of the map\u2019s occupied cells, from which the controller keeps away', on: true },
+  { layer: 'unseen', name: 'unseen', title: 'Boxes of cells near the robot that no sensor has seen: the controller stops in front of them', on: true },
+  { layer: 'fields', name: 'sensor fields', title: 'What each sensor can see, to its range', on: false },
+];
 /** An arrow key moves the time by this much [s]. */
 const kStep = 0.1;
 
@@ -72,6 +79,12 @@ export function player(model: Model): HTMLElement {
   const stopped = h('button', { type: 'button', class: 'quiet', click: () => jump('end') }, 'Why it stopped');
   const shapes = h('input', { type: 'checkbox', change: () => { scene?.setShapes(shapes.checked); tellTriangles(); show(); } });
   const shapesBox = h('label', { hidden: true, title: 'What counts in collisions, in place of what the robot looks like' }, shapes, ' shapes');
+  const layers = kLayers.map(({ layer, name, title, on }) => {
+    const input = h('input', { type: 'checkbox', checked: on, change: () => { scene?.showLayer(layer, input.checked); tellLegend(); draw(); } });
+    return { layer, input, label: h('label', { hidden: true, title }, input, ` ${name}`) };
+  });
+  const shows = (wanted: Layer): boolean => layers.some(({ layer, input, label }) => layer === wanted && input.checked && !label.hidden);
+  const switches = h('div', { class: 'transport more', hidden: true }, ...layers.map(({ label }) => label));
   const legend = h('p', { class: 'replay-legend' });
   const stage = h('div', { class: 'stage-box' }, canvas, rowWords.labels, caption);
   const paper = paperPlace();
@@ -94,6 +107,8 @@ export function player(model: Model): HTMLElement {
     if (scene !== null) {
       stage.dataset['positionErrorNow'] = String(scene.positionError());
       stage.dataset['planned'] = String(scene.planned.length);
+      stage.dataset['occupied'] = String(scene.boxes.occupied);
+      stage.dataset['unseen'] = String(scene.boxes.unseen);
     }
     rowWords.tell(scene?.rows ?? [], hasRows, sees, stage);
     draw();
@@ -140,6 +155,8 @@ export function player(model: Model): HTMLElement {
     const t = model.trials;
     replace(legend, part(c.arm, 'robot'), part(c.goal, 'goal: the hand as it must arrive, a ball as large as the tolerance'), part(c.path, 'path of the hand, paler at its begin'),
       part(c.hit, 'touched, or a row that holds the command back'),
+      shows('occupied') ? part(c.occupied, 'occupied cells of the map') : null, shows('unseen') ? part(c.unseen, 'unseen cells near the robot') : null,
+      shows('fields') ? part(c.field, 'what a sensor can see, to its range') : null,
       trace !== null && looksAhead(trace) ? part(c.plan, 'where the base is to go: the path that it follows, or a detour') : null, ghost === null ? null : part(c.ghost, `${[t.text('controller', model.row(ghost.trial) ?? -1), t.text('point', model.row(ghost.trial) ?? -1)].join(' ').trim()} in the same world`));
   };
 
@@ -227,8 +244,14 @@ export function player(model: Model): HTMLElement {
     scene.follow = follow.checked;
     scene.resize();
     const world = motion.replay.world as WorldJson;
+    const map = readMap(motion.replay);
+    for (const { layer, input, label } of layers) {
+      label.hidden = layer === 'fields' ? next.sensors.length === 0 : map === null || map.boxes.every(({ cells }) => cells !== layer);
+      scene.showLayer(layer, input.checked);
+    }
+    switches.hidden = layers.every(({ label }) => label.hidden);
     scene.show({
-      robot: next, world, reached: reachedTimes(t.text('goals', row), world, point?.success_dwell_s ?? 0), trace: decoded, look, rows: rows ?? [],
+      robot: next, world, reached: reachedTimes(t.text('goals', row), world, point?.success_dwell_s ?? 0), trace: decoded, look, rows: rows ?? [], map,
       hit: { link: t.text('link', row), object: t.text('object', row) }, tolerance: point?.success_position_m ?? 0,
     });
     timeline.show(decoded, point === undefined ? null : { position: point.success_position_m, rotation: point.success_orientation_rad });
@@ -303,7 +326,7 @@ export function player(model: Model): HTMLElement {
       stage, paper,
       h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), shapesBox, home),
       h('div', { class: 'transport more' }, beside.element, closest, stopped, pictureButton(shown), filmButton(shown)),
-      legend,
+      switches, legend,
       h('label', { class: 'choice' }, h('span', null, 'signal below'), signal), lines, status, ahead, rowWords.sentence),
     h('aside', null, h('h3', null, 'To play'), h('p', { class: 'note' }, motionsNote(model)), motions.element,
       h('h3', null, 'Joints within their limits'), joints.element));

@@ -11,12 +11,19 @@ export interface ShapeJson extends PoseJson {
 /** Wheels of the base [m]: two, or four with a wheelbase between the axles. */
 export interface Wheels { radius?: number; separation?: number; wheelbase?: number; width?: number }
 
+/** Angles of a head: about the z axis of its link, and about the y axis that turns with it [rad]. */
+export interface Gaze { pan: number; tilt: number }
+
+/** A depth camera or scanner: rays about the x axis of its frame. On a head it turns about `axes`. */
+export interface SensorJson extends PoseJson { name: string; link?: string; field_of_view: number[]; range: number; head?: { axes?: number[] } }
+
 interface RobotJson {
   name: string;
   urdf_text: string;
   base: { mount?: PoseJson; footprint?: ShapeJson; wheels?: Wheels };
   arm: { tip: string; tool?: PoseJson; locked?: Record<string, number>; limits?: Record<string, { lower?: number; upper?: number }>; ready?: number[] };
   collision?: { shapes?: ShapeJson[] };
+  sensors?: SensorJson[];
 }
 
 interface Joint {
@@ -95,6 +102,7 @@ export class Robot {
   readonly driven: Driven[] = [];
   readonly wheels: Wheels | null;
   readonly shapes: { link: string; shape: ShapeJson; local: Matrix4 }[] = [];
+  readonly sensors: readonly SensorJson[];
   /** "@base" and every link, parents first. */
   private readonly order: { link: string; parent: string; joint: Joint | null; driven: number; held: number }[] = [];
   private readonly mount: Matrix4;
@@ -106,6 +114,7 @@ export class Robot {
     const json = source as RobotJson;
     this.name = json.name;
     this.wheels = json.base.wheels ?? null;
+    this.sensors = json.sensors ?? [];
     this.mount = poseMatrix(json.base.mount);
     this.tool = poseMatrix(json.arm.tool);
     this.tip = json.arm.tip;
@@ -192,6 +201,13 @@ export class Robot {
 
   has(link: string): boolean {
     return this.poses.has(link);
+  }
+
+  /** Pose of a sensor whose head looks there. */
+  sensorPose({ link = '', head, ...pose }: SensorJson, { pan, tilt }: Gaze): Matrix4 {
+    const axes = poseMatrix(head?.axes === undefined ? undefined : { position: head.axes });
+    const turn = new Matrix4().makeRotationZ(pan).multiply(new Matrix4().makeRotationY(tilt));
+    return this.pose(link === '' ? '@base' : link).clone().multiply(axes).multiply(turn).multiply(axes.invert()).multiply(poseMatrix(pose));
   }
 
   tipPose(out: Matrix4): Matrix4 {

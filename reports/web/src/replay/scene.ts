@@ -7,12 +7,13 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
 
-import { floorPath, goalMark, grid, handPath, rowArrow, triad, type Colours } from './marks';
+import { fieldMark, floorPath, goalMark, grid, handPath, rowArrow, triad, type Colours } from './marks';
 import { extent, fit } from './fit';
 import { poseAt, skins, solid, wheels, type Part, type Skin } from './look';
+import { gazeAt, kCells, mapMark, pictureAt, type Cells, type SeenMap } from './map';
 import { clocksOf, placeAt, type MotionJson, type Placed } from './motion';
 import { detourTarget, pathAhead } from './plan';
-import { quaternion, Robot, type ShapeJson } from './robot';
+import { quaternion, Robot, type SensorJson, type ShapeJson } from './robot';
 import { carried, type Row } from './rows';
 import type { Trace } from './trace';
 
@@ -37,10 +38,10 @@ export function reachedTimes(reached: string, { goals = [] }: WorldJson, dwell: 
 export interface Moved { robot: Robot; trace: Trace; look: readonly Part[] }
 
 /**
- * A motion in its world: when it went on to the next goal [s], what was hit, the rows of each sample, the radius around the
- * goal that counts as reached [m].
+ * A motion in its world: when it went on to the next goal [s], what was hit, the rows of each sample, the controller's map, the
+ * radius around the goal that counts as reached [m].
  */
-export interface Shown extends Moved { world: WorldJson; reached: readonly number[]; hit: { link: string; object: string }; rows: readonly (readonly Row[])[]; tolerance: number }
+export interface Shown extends Moved { world: WorldJson; reached: readonly number[]; hit: { link: string; object: string }; rows: readonly (readonly Row[])[]; map: SeenMap | null; tolerance: number }
 
 /** An object in the hand from one time to another [s]: its pose in E, and where it is left. */
 interface Grip { from: number; to: number; inHand: Matrix4; left: Placed }
@@ -89,6 +90,9 @@ function gripsOf(name: string, start: Placed, { robot, trace, world, reached }: 
   return grips;
 }
 
+/** What may be left out: boxes of the map, the sensors' fields of view. */
+export type Layer = Cells | 'fields';
+
 /** A surface of a robot in the scene. */
 interface Drawn { mesh: Mesh; link: string; local: Matrix4 }
 
@@ -106,6 +110,14 @@ export class ReplayScene {
   private bodies: Body[] = [];
   private arrows = new Group();
   private plan = new Group();
+  private layers: Record<Layer, Group> = { occupied: new Group(), unseen: new Group(), fields: new Group() };
+  /** Layers that are left out. */
+  private readonly off = new Set<Layer>();
+  private fields: { mark: Group; sensor: SensorJson }[] = [];
+  /** The picture of the map that is in the scene; -1 if none is. */
+  private picture = -1;
+  /** How many boxes it has. */
+  readonly boxes: Record<Cells, number> = { occupied: 0, unseen: 0 };
   /** Line of the base's path or detour at the shown time; empty without one. */
   planned: [number, number][] = [];
   /** The collision rows at the time shown. */
@@ -161,6 +173,12 @@ export class ReplayScene {
     if (only === this.shapesOnly) return;
     this.shapesOnly = only;
     this.build();
+  }
+
+  showLayer(layer: Layer, on: boolean): void {
+    if (on) this.off.delete(layer);
+    else this.off.add(layer);
+    this.layers[layer].visible = on;
   }
 
   /** Triangles of the robot as it is shown. */
@@ -240,7 +258,13 @@ export class ReplayScene {
     this.tip = triad(0.16, false);
     this.arrows = new Group();
     this.plan = new Group();
-    this.content.add(this.tip, this.arrows, this.plan);
+    this.layers = { occupied: new Group(), unseen: new Group(), fields: new Group() };
+    for (const layer of this.off) this.layers[layer].visible = false;
+    this.fields = robot.sensors.map((sensor) => ({ mark: fieldMark(sensor, colours.field), sensor }));
+    for (const { mark } of this.fields) this.layers.fields.add(mark);
+    this.picture = -1;
+    Object.assign(this.boxes, { occupied: 0, unseen: 0 });
+    this.content.add(this.tip, this.arrows, this.plan, ...Object.values(this.layers));
     this.past = this.addPath(robot, trace, colours.begin, colours.path);
   }
 
@@ -286,6 +310,8 @@ export class ReplayScene {
     tip.decompose(this.tip.position, this.tip.quaternion, this.tip.scale);
     if (this.past !== null) this.past.geometry.instanceCount = trace.locate(t)[0];   // pieces between samples
     this.setArrows(this.shown, t);
+    this.setMap(this.shown, t);
+    for (const [i, { mark, sensor }] of this.fields.entries()) mark.matrix.copy(robot.sensorPose(sensor, gazeAt(this.shown.map, i, t)));
     const base = new Vector3().setFromMatrixPosition(robot.pose('@base'));
     this.setPlan(trace, base, t);
     if (this.follow) {
@@ -310,6 +336,21 @@ export class ReplayScene {
     const places = { then: placesAt(trace.t[sample] ?? 0), now: placesAt(t) };
     this.rows = carried(rows, (name, when) => places[when].get(name) ?? new Matrix4());
     for (const row of this.rows) this.arrows.add(rowArrow(row, this.colours));
+  }
+
+  /** Boxes of the map: they stand where the controller has them, by the measured pose of its base. */
+  private setMap({ map }: Shown, t: number): void {
+    if (map === null) return;
+    const picture = pictureAt(map, t);
+    if (picture === this.picture) return;
+    this.picture = picture;
+    for (const cells of kCells) {
+      const boxes = map.boxes.filter((box) => box.cells === cells && box.from <= picture && picture < box.to);
+      this.dispose(this.layers[cells]);
+      this.layers[cells].clear();
+      this.layers[cells].add(cells === 'occupied' ? mapMark(boxes, this.colours.occupied, 0.3, 0.6) : mapMark(boxes, this.colours.unseen, 0.1, 0.45));
+      this.boxes[cells] = boxes.length;
+    }
   }
 
   /** Pose of a link or of an object at time t; the floor has the world's axes. */
