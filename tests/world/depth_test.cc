@@ -313,7 +313,7 @@ TEST(GazeChoice, WhatIsWorthMostComesFirstAndNothingIsLeftOut) {
   int first = 0;
   for (int frame = 0; frame < 400; ++frame) {
     const Gaze before = choice.wanted();
-    choice.saw({before.pan + 0.2, before.tilt}, 0.1 * frame, X_WL, sights);
+    choice.saw({before.pan, 3.0}, 0.1 * frame, X_WL, sights);
     EXPECT_EQ(choice.wanted(), before) << "the head was on its way";
     choice.saw(before, 0.1 * frame + 0.05, X_WL, sights);
     const Vector3 along = camera.turned(choice.wanted()).linear().col(0);
