@@ -27,13 +27,15 @@ export interface Row {
 }
 
 /** Rows of each sample, in the order of the problem; null where none were written down. Throws an Error where they do not fit. */
-export function readRows({ rows }: ReplayData): Row[][] | null {
+export function readRows({ rows, map }: ReplayData): Row[][] | null {
   if (rows === undefined) return null;
   const total = rows.n.reduce((sum, n) => sum + n, 0);
   const values = new Int16Array(unpacked16(rows.data).buffer);
   if (values.length !== kColumns * total) throw new Error('the rows do not fit their number');
   const at = (column: number, i: number): number => values[column * total + i] ?? 0;
-  const name = (i: number): string => rows.names[i] ?? '';
+  // The boxes of a map are objects of the controller's, numbered by chance.
+  const ofMap = (name: string): string => name.replace(/^map\d+$/, 'the map').replace(/^unseen\d+$/, 'unseen space');
+  const name = (i: number): string => (map === undefined ? rows.names[i] ?? '' : ofMap(rows.names[i] ?? ''));
   const point = (column: number, i: number): Vector3 => new Vector3(at(column, i), at(column + 1, i), at(column + 2, i)).divideScalar(1000);
   let next = 0;
   return rows.n.map((n) => Array.from({ length: n }, (): Row => {
