@@ -21,8 +21,9 @@ struct PredictionMemory {
   bool begun = false;              ///< `base` is known
   Vector3 base = Vector3::Zero();  ///< filtered (x, y, phi) as of the last measurement
   bool catching_up = false;        ///< joints still follow commands that had waited longer (Predictor::send)
-  RoundTrip drive;                 ///< misfit of each pair of shares (Predictor) to the drive's motion
-  std::vector<Vector3> driven;     ///< the base's velocity according to each pair
+  int drive = 0;                   ///< index of the drive that the base is taken to have (Predictor)
+  /// `base_velocity` by the ramp of each drive alone, of as many periods as round trips are tried, side by side.
+  std::vector<Vector3> driven;
   /// Sums of the base's gains, velocity measured / commanded, for each of its velocities (Predictor).
   Vector3 gain_measured = Vector3::Zero(), gain_commanded = Vector3::Zero();
   RoundTrip base_trip;   ///< from a sent command to the base's measured velocity
@@ -44,8 +45,8 @@ constexpr void describe(auto& v, Of<PredictionMemory>) {
   v.member("base", &M::base, quantity("m or rad", "filtered x, y, phi as of the last measurement"));
   v.member("catching_up", &M::catching_up,
            unless_default({.text = "joints follow commands that waited longer before"}));
-  v.member("drive", &M::drive, unless_default({.text = "`periods` counts the pairs of shares of its accelerations"}));
-  v.member("driven", &M::driven, unless_default(quantity("m/s or rad/s", "the base's velocity by each pair")));
+  v.member("drive", &M::drive, unless_default({.text = "index of the drive that the base is taken to have"}));
+  v.member("driven", &M::driven, unless_default(quantity("m/s or rad/s", "the base's velocity by each drive")));
   v.member(
       "gain_measured", &M::gain_measured,
       unless_default(quantity("(m/s)^2 or (rad/s)^2", "sums of the base's velocities as measured times as commanded")));

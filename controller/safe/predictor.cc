@@ -109,10 +109,11 @@ void Predictor::reset(std::span<const ObjectShape> objects, std::size_t more) {
   m.begun = false;
   m.catching_up = false;
   m.base.setZero();
-  m.base_trip = {base_dof_ > 0 ? whole_periods(params_.base_drive, dt_) + base_age_ : 0, VectorX::Zero(tried_)};
+  const int pairs = tried_ * static_cast<int>(kDrives.size());
+  m.base_trip = {base_dof_ > 0 ? whole_periods(params_.base_drive, dt_) + base_age_ : 0, VectorX::Zero(pairs)};
   m.joint_trip = {whole_periods(params_.joint_drive, dt_) + joint_age_, VectorX::Zero(tried_)};
-  m.drive = {0, VectorX::Zero(kDrives.size())};
-  m.driven.assign(kDrives.size(), Vector3::Zero());
+  m.drive = 0;
+  m.driven.assign(at(pairs), Vector3::Zero());
   m.gain_measured.setZero();
   m.gain_commanded.setZero();
   m.objects.assign(num_objects, PoseTrack{});
@@ -140,42 +141,57 @@ void Predictor::synchronise() noexcept {
   if (base_dof_ == 0) hold_base_ = 0;
 }
 
-const BaseRamp::Shares& Predictor::drive() const noexcept { return kDrives[at(memory_.drive.periods)]; }
+const BaseRamp::Shares& Predictor::drive() const noexcept { return kDrives[at(memory_.drive)]; }
+
+const Vector3& Predictor::driven(int drive, int age) const noexcept { return memory_.driven[at(drive * tried_ + age)]; }
 
 // The base's command that is measured next.
 Vector3 Predictor::arriving_command() const noexcept {
   return sent_to_base(memory_, memory_.base_trip.periods, base_dof_);
 }
 
-// Advances the base's velocity by a period for each pair of shares.
+// Advances the base's velocity by the period in which the command sent last acts, for each drive.
 void Predictor::follow_drives() noexcept {
   PredictionMemory& m = memory_;
-  const Vector3 command = gains().cwiseProduct(arriving_command());
+  const Vector3 command = gains().cwiseProduct(sent_to_base(m, 0, base_dof_));
   BaseRamp ramp = ramp_;
   for (int i = 0; i < static_cast<int>(kDrives.size()); ++i) {
     ramp.set_shares(kDrives[at(i)]);
-    ramp.follow(command, dt_, m.driven[at(i)]);
+    Vector3 velocity = driven(i, 0);
+    ramp.follow(command, dt_, velocity);
+    const auto first = m.driven.begin() + i * tried_;
+    std::rotate(first, first + tried_ - 1, first + tried_);
+    *first = velocity;
   }
 }
 
-void Predictor::identify_drive(const Observation& o) noexcept {
+// Finds round trip and drive together: a slow drive that is as late as it was said to be, and a quick one that is
+// later, look alike for a while, and one after the other each would take what is the other's.
+bool Predictor::identify_base(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
-  follow_drives();
+  const EstimationParams& e = params_.estimation;
   for (int i = 0; i < static_cast<int>(kDrives.size()); ++i)
-    settle(m.drive, i, (o.qdot.head(base_dof_) - m.driven[at(i)].head(base_dof_)).squaredNorm(),
-           dt_ / params_.estimation.forget);
-  if (choose(m.drive, kFloor, params_.estimation.better)) {
-    ramp_.set_shares(drive());
+    for (int age = 0; age < tried_; ++age)
+      settle(m.base_trip.misfit, i * tried_ + age,
+             (o.qdot.head(base_dof_) - driven(i, age).head(base_dof_)).squaredNorm(), dt_ / e.forget);
+  const int best = chosen(m.base_trip.misfit, m.drive * tried_ + m.base_trip.periods, kFloor, e.better);
+  const int drive = best / tried_, trip = best % tried_;
+  if (drive != m.drive) {
+    m.drive = drive;
+    ramp_.set_shares(kDrives[at(drive)]);
+    for (int age = 0; age < tried_; ++age) m.base_velocity[at(age)] = driven(drive, age);
     m.gain_measured.setZero();  // what was measured of another drive tells nothing
     m.gain_commanded.setZero();
   }
-  identify_gains(o, arriving_command());
+  if (trip == m.base_trip.periods) return false;
+  m.base_trip.periods = trip;
+  m.begun = false;  // the filtered pose belongs to another time
+  return true;
 }
 
-// While a drive speeds up or slows down, its velocity tells nothing of its gain.
 void Predictor::identify_gains(const Observation& o, const Vector3& command) noexcept {
   PredictionMemory& m = memory_;
-  const Vector3 follows = gains().cwiseProduct(command) - m.driven[at(m.drive.periods)];
+  const Vector3 follows = gains().cwiseProduct(command) - driven(m.drive, m.base_trip.periods);
   if (gain_prior_ == 0.0 || follows.cwiseAbs().maxCoeff() > kFollows) return;
   const double kept = 1.0 - std::min(1.0, dt_ / params_.estimation.gain_forget);
   for (int i = 0; i < base_dof_; ++i) {
@@ -195,30 +211,21 @@ Vector3 Predictor::gains() const noexcept {
 
 void Predictor::identify(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
-  for (int age = 0; age < tried_; ++age) {
-    double squared = 0.0;
-    for (int i = 0; i < base_dof_; ++i) {
-      const double off = o.qdot[i] - m.base_velocity[at(age)][i];
-      squared += off * off;
-    }
-    settle(m.base_trip, age, squared, dt_ / params_.estimation.forget);
-    squared = 0.0;
-    for (int i = base_dof_; i < base_dof_ + num_joints_; ++i) {
-      const double off = o.qdot[i] - m.sent[at(age)][i];
-      squared += off * off;
-    }
-    settle(m.joint_trip, age, squared, dt_ / params_.estimation.forget);
-  }
-  const bool base = base_dof_ > 0 && choose(m.base_trip, kFloor, params_.estimation.better);
-  const bool joints = choose(m.joint_trip, kFloor, params_.estimation.better);
-  if (base) m.begun = false;  // the filtered pose belongs to another time
+  const EstimationParams& e = params_.estimation;
+  for (int age = 0; age < tried_; ++age)
+    settle(m.joint_trip.misfit, age, (o.qdot.tail(num_joints_) - m.sent[at(age)].tail(num_joints_)).squaredNorm(),
+           dt_ / e.forget);
+  const int joint_trip = chosen(m.joint_trip.misfit, m.joint_trip.periods, kFloor, e.better);
+  const bool joints = joint_trip != m.joint_trip.periods;
+  m.joint_trip.periods = joint_trip;
+  const bool base = base_dof_ > 0 && identify_base(o);
+  if (base_dof_ > 0) identify_gains(o, arriving_command());
   if (!base && !joints) return;
   const int waited = hold_joints_;
   synchronise();
   if (hold_joints_ < waited) memory_.catching_up = true;
 }
 
-// Returns the mean velocity of the base in the period in which the command sent `age` periods before the latest acts.
 Vector3 Predictor::mean_velocity(int age) const noexcept {
   Vector3 velocity = memory_.base_velocity[at(age + 1)];
   return ramp_.follow(gains().cwiseProduct(sent_to_base(memory_, age, base_dof_)), dt_, velocity);
@@ -228,7 +235,6 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
   miss_steps(o.time);
   if (params_.identify) identify(o);
-  if (params_.identify && base_dof_ > 0) identify_drive(o);
   if (base_dof_ > 0) correct_velocity(o);
   out_.time = o.time + late_ * dt_;
   predict_joints(o.q);
@@ -268,9 +274,9 @@ void Predictor::miss_steps(double time) noexcept {
   const double missed = since < 0.0 ? 0.0 : std::clamp(std::round((time - since) / dt_) - 1.0, 0.0, most);
   for (int k = 0; k < missed; ++k) {
     skip();
-    follow_drives();
     repeat(m.computed);
     repeat(m.sent);
+    follow_drives();
     Vector3 velocity = m.base_velocity.front();
     ramp_.follow(gains().cwiseProduct(sent_to_base(m, 0, base_dof_)), dt_, velocity);
     shifted(m.base_velocity) = velocity;
@@ -393,6 +399,7 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
     }
   }
   shifted(m.sent) = sent;
+  follow_drives();
   ramp_.follow(gain.cwiseProduct(base), dt_, velocity);
   shifted(m.base_velocity) = velocity;
 }
@@ -412,19 +419,18 @@ std::string prediction_mismatch(const PredictionMemory& memory, const RobotModel
   if (wrong.empty()) wrong = count("sent", memory.sent.size(), wanted.sent.size());
   if (wrong.empty()) wrong = count("base_velocity", memory.base_velocity.size(), wanted.base_velocity.size());
   if (wrong.empty()) wrong = count("driven", memory.driven.size(), wanted.driven.size());
-  if (wrong.empty()) wrong = count("drive.misfit", size(memory.drive.misfit), size(wanted.drive.misfit));
-  if (wrong.empty() && !(memory.drive.periods >= 0 && memory.drive.periods < memory.drive.misfit.size()))
-    wrong = "drive.periods is " + std::to_string(memory.drive.periods) + ", expected 0 to " +
-            std::to_string(memory.drive.misfit.size() - 1);
+  const auto index = [&wrong](std::string_view key, int found, auto last) {
+    if (wrong.empty() && !(found >= 0 && found <= static_cast<int>(last)))
+      wrong = std::string(key) + " is " + std::to_string(found) + ", expected 0 to " + std::to_string(last);
+  };
+  index("drive", memory.drive, kDrives.size() - 1);
   if (wrong.empty()) wrong = count("objects", memory.objects.size(), wanted.objects.size());
   for (const auto* commands : {&memory.computed, &memory.sent})
     for (const VectorX& u : *commands)
       if (wrong.empty()) wrong = count("each command", size(u), size(wanted.sent.front()));
-  for (const auto* trip : {&memory.base_trip, &memory.joint_trip}) {
-    if (wrong.empty()) wrong = count("misfit", size(trip->misfit), size(wanted.base_trip.misfit));
-    if (wrong.empty() && !(trip->periods >= 0 && trip->periods < trip->misfit.size()))
-      wrong =
-          "periods is " + std::to_string(trip->periods) + ", expected 0 to " + std::to_string(trip->misfit.size() - 1);
+  for (const auto trip : {&PredictionMemory::base_trip, &PredictionMemory::joint_trip}) {
+    if (wrong.empty()) wrong = count("misfit", size((memory.*trip).misfit), size((wanted.*trip).misfit));
+    index("periods", (memory.*trip).periods, size(wanted.joint_trip.misfit) - 1);
   }
   return wrong;
 }

@@ -37,8 +37,8 @@ namespace moma {
 ///
 /// The drive: with `identify` the predictor also estimates the shares of its accelerations with which the base's drive
 /// follows. Ramps at 1, 3/4, 1/2 and 1/3 of them, in both directions or for decreasing speed alone, follow the same
-/// commands. The ramp that explains the measured velocity of the last half second clearly better than the present one
-/// replaces it.
+/// commands. The pair of a ramp and a round trip that explains the measured velocity of the last half second clearly
+/// better than the present pair replaces it.
 ///
 /// Observer: where the base's measured velocity is off from its ramp's by more than noise, the ramp moves towards it,
 /// so that commands start from what the base does. Without it they run ahead of a drive that is slower than its file
@@ -96,7 +96,8 @@ class Predictor {
   void identify(const Observation& o) noexcept;
   Vector3 arriving_command() const noexcept;
   void follow_drives() noexcept;
-  void identify_drive(const Observation& o) noexcept;
+  const Vector3& driven(int drive, int age) const noexcept;
+  bool identify_base(const Observation& o) noexcept;
   void identify_gains(const Observation& o, const Vector3& command) noexcept;
   Vector3 gains() const noexcept;
   void correct_velocity(const Observation& o) noexcept;

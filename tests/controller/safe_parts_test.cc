@@ -266,15 +266,15 @@ TEST(RoundTrip, IsFoundFromMotion) {
     std::vector<double> sent(20, 0.0);
     bool changed = false;
     for (int k = 0; k < 100; ++k) {
-      for (int age = 0; age < 12; ++age) settle(trip, age, std::pow(normal(rng), 2), part);
-      changed = choose(trip, 2e-4, params.better) || changed;
+      for (int age = 0; age < 12; ++age) settle(trip.misfit, age, std::pow(normal(rng), 2), part);
+      changed = chosen(trip.misfit, trip.periods, 2e-4, params.better) != trip.periods || changed;
     }
     EXPECT_FALSE(changed) << "noise alone";
     for (int k = 0; k < 150; ++k) {
       const double measured = sent[static_cast<std::size_t>(late)] + normal(rng);
       for (int age = 0; age < 12; ++age)
-        settle(trip, age, std::pow(measured - sent[static_cast<std::size_t>(age)], 2), part);
-      choose(trip, 2e-4, params.better);
+        settle(trip.misfit, age, std::pow(measured - sent[static_cast<std::size_t>(age)], 2), part);
+      trip.periods = chosen(trip.misfit, trip.periods, 2e-4, params.better);
       sent.insert(sent.begin(), 0.5 * std::sin(3.0 * kPeriod * k));
     }
     EXPECT_EQ(trip.periods, late);

@@ -131,5 +131,26 @@ trials: 1
   EXPECT_TRUE(std::isnan(run_trial(spec, world).row.latency_base_s)) << "nobody looked";
 }
 
+// A base with half of its accelerations is no later than one that has all of them.
+TEST(Latencies, ASlowDriveIsNotTakenForALateOne) {
+  SuiteFolder folder;
+  const std::string configs = MOMA_SOURCE_DIR "/configs/";
+  const Suite suite = load_suite(folder.write(
+      "slow.yaml", "robot: " + configs + "robots/frankie.yaml\ncontrollers: {moma: " + configs +
+                       "controllers/moma.yaml}\ndisturbances: {include: " + configs + R"(disturbances/realistic.yaml,
+  actuators: {base: {ramps: {speed_up: 0.5, slow_down: 0.5}}}}
+worlds: {seed: 34, families: {open: {weight: 1}}}
+simulation: {mode: kinematic, time_limit: 10}
+trials: 12
+)"));
+  int right = 0;
+  for (int i = 0; i < 12; ++i) {
+    const TrialRow row = run_trial(suite.points[0], suite.points[0].worlds.make(suite.points[0].robot->model, i)).row;
+    EXPECT_EQ(row.outcome, Outcome::kSuccess) << i;
+    right += std::abs(row.latency_base_off_s) < 1e-9 ? 1 : 0;
+  }
+  EXPECT_GE(right, 10);
+}
+
 }  // namespace
 }  // namespace moma::test
