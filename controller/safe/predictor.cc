@@ -179,7 +179,6 @@ bool Predictor::identify_base(const Observation& o) noexcept {
   if (drive != m.drive) {
     m.drive = drive;
     ramp_.set_shares(kDrives[at(drive)]);
-    for (int age = 0; age < tried_; ++age) m.base_velocity[at(age)] = driven(drive, age);
     m.gain_measured.setZero();  // what was measured of another drive tells nothing
     m.gain_commanded.setZero();
   }
