@@ -22,6 +22,7 @@ struct PredictionMemory {
   Vector3 base = Vector3::Zero();  ///< filtered (x, y, phi) as of the last measurement
   bool catching_up = false;        ///< joints still follow commands that had waited longer (Predictor::send)
   int drive = 0;                   ///< index of the drive that the base is taken to have (Predictor)
+  double slowing = 1.0;            ///< least share of its deceleration that a drive had that was found so far
   /// `base_velocity` by the ramp of each drive alone, of as many periods as round trips are tried, side by side.
   std::vector<Vector3> driven;
   /// Sums of the base's gains, velocity measured / commanded, for each of its velocities (Predictor).
@@ -46,6 +47,8 @@ constexpr void describe(auto& v, Of<PredictionMemory>) {
   v.member("catching_up", &M::catching_up,
            unless_default({.text = "joints follow commands that waited longer before"}));
   v.member("drive", &M::drive, unless_default({.text = "index of the drive that the base is taken to have"}));
+  v.member("slowing", &M::slowing,
+           unless_default({.text = "least share of the base's deceleration that a drive had that was found so far"}));
   v.member("driven", &M::driven, unless_default(quantity("m/s or rad/s", "the base's velocity by each drive")));
   v.member(
       "gain_measured", &M::gain_measured,

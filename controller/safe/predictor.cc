@@ -113,6 +113,7 @@ void Predictor::reset(std::span<const ObjectShape> objects, std::size_t more) {
   m.base_trip = {base_dof_ > 0 ? whole_periods(params_.base_drive, dt_) + base_age_ : 0, VectorX::Zero(pairs)};
   m.joint_trip = {whole_periods(params_.joint_drive, dt_) + joint_age_, VectorX::Zero(tried_)};
   m.drive = 0;
+  m.slowing = 1.0;
   m.driven.assign(at(pairs), Vector3::Zero());
   m.gain_measured.setZero();
   m.gain_commanded.setZero();
@@ -127,7 +128,7 @@ void Predictor::reset(std::span<const ObjectShape> objects, std::size_t more) {
 
 void Predictor::set_memory(const PredictionMemory& memory) noexcept {
   memory_ = memory;
-  ramp_.set_shares(drive());
+  ramp_.set_shares(kDrives[at(memory_.drive)]);
   synchronise();
 }
 
@@ -141,7 +142,7 @@ void Predictor::synchronise() noexcept {
   if (base_dof_ == 0) hold_base_ = 0;
 }
 
-const BaseRamp::Shares& Predictor::drive() const noexcept { return kDrives[at(memory_.drive)]; }
+BaseRamp::Shares Predictor::drive() const noexcept { return {kDrives[at(memory_.drive)].speeding, memory_.slowing}; }
 
 const Vector3& Predictor::driven(int drive, int age) const noexcept { return memory_.driven[at(drive * tried_ + age)]; }
 
@@ -178,6 +179,7 @@ bool Predictor::identify_base(const Observation& o) noexcept {
   const int drive = best / tried_, trip = best % tried_;
   if (drive != m.drive) {
     m.drive = drive;
+    m.slowing = std::min(m.slowing, kDrives[at(drive)].slowing);
     ramp_.set_shares(kDrives[at(drive)]);
     m.gain_measured.setZero();  // what was measured of another drive tells nothing
     m.gain_commanded.setZero();

@@ -80,8 +80,9 @@ class Predictor {
   double lateness() const noexcept { return late_ * dt_; }
   /// Number of periods that this step's command may have to act; at least 1.
   double hold() const noexcept { return memory_.hold; }
-  /// Estimated shares of its accelerations with which the base's drive follows.
-  const BaseRamp::Shares& drive() const noexcept;
+  /// Estimated shares of its accelerations with which the base's drive follows; of its deceleration the least that was
+  /// found so far, since a base that slips as it brakes hard shows nothing of that as it brakes gently.
+  BaseRamp::Shares drive() const noexcept;
   /// Time from a command to the measurement of its velocity, configured or identified [s].
   double base_round_trip() const noexcept { return base_dof_ > 0 ? memory_.base_trip.periods * dt_ : 0.0; }
   double joint_round_trip() const noexcept { return memory_.joint_trip.periods * dt_; }

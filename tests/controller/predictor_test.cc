@@ -143,22 +143,28 @@ TEST(Predictor, FindsHowTheBasesDriveFollows) {
       params.identify = true;
       Predictor predictor(*model, params, {}, 0.0, kPeriod);
       predictor.reset({});
-      LateRobot robot(*model, kLate, Vector3::Zero(), model->ready, drive);
       VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
-      for (int k = 0; k < 400; ++k) {
-        Observation o = robot.measured();
-        for (int i = 0; i < model->base_dof(); ++i) o.qdot[i] += noise(rng);
-        predictor.predict(o);
-        if (k % 50 == 0) command[0] = k % 100 == 0 ? 0.6 : 0.0;
-        predictor.send(command, sent);
-        robot.drive(sent);
-      }
+      const auto to_and_fro = [&](const BaseRamp::Shares& shares) {
+        LateRobot robot(*model, kLate, Vector3::Zero(), model->ready, shares);
+        for (int k = 0; k < 400; ++k) {
+          Observation o = robot.measured();
+          for (int i = 0; i < model->base_dof(); ++i) o.qdot[i] += noise(rng);
+          predictor.predict(o);
+          if (k % 50 == 0) command[0] = k % 100 == 0 ? 0.6 : 0.0;
+          predictor.send(command, sent);
+          robot.drive(sent);
+        }
+      };
+      to_and_fro(drive);
       EXPECT_NEAR(predictor.drive().slowing, drive.slowing, 0.01) << model->name;
       EXPECT_NEAR(predictor.drive().speeding, drive.speeding, 0.01) << model->name;
       Predictor again(*model, params, {}, 0.0, kPeriod);
       again.reset({});
       again.set_memory(predictor.memory());
       EXPECT_EQ(again.drive().slowing, predictor.drive().slowing);
+      to_and_fro({});
+      EXPECT_EQ(predictor.drive().speeding, 1.0) << model->name;
+      EXPECT_NEAR(predictor.drive().slowing, drive.slowing, 0.01) << model->name << ": the least that was found";
       predictor.reset({});
       EXPECT_EQ(predictor.drive().slowing, 1.0);
     }

@@ -318,7 +318,9 @@ TEST(GazeChoice, WhatIsWorthMostComesFirstAndNothingIsLeftOut) {
     choice.saw(before, 0.1 * frame + 0.05, X_WL, sights);
     const Vector3 along = camera.turned(choice.wanted()).linear().col(0);
     const bool left = along.dot(Vector3(1, 1, 0).normalized()) > 0.9;
-    if (frame == 0) EXPECT_TRUE(left) << along.transpose();
+    if (frame == 0) {
+      EXPECT_TRUE(left) << along.transpose();
+    }
     first += left ? 1 : 0;
     looked.emplace_back(choice.wanted().pan, choice.wanted().tilt);
   }
