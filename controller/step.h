@@ -85,7 +85,8 @@ class StepController {
   virtual void step(const Observation& observation, StepResult& result) noexcept = 0;
   /// Sizes the vectors of `result` so that step() never allocates.
   virtual void prepare(StepResult& result) const = 0;
-  /// Where the sensor's head (model/sensor.h) is to look after the last step. Straight ahead by default.
+  /// Returns the angles that the sensor's head (model/sensor.h) is to take after the last step; straight ahead by
+  /// default.
   virtual Gaze gaze(int /*sensor*/) const noexcept { return {}; }
   /// Reason why the controller cannot continue, which ends a trial. Empty otherwise.
   virtual std::string_view failure() const noexcept { return {}; }

@@ -26,14 +26,7 @@ GazeChoice::GazeChoice(const MountedSensor& mounted) : mounted_(&mounted) {
   if (!s.head.turns()) return;
   apart_ = {std::max(0.5 * s.field_of_view[0], 0.1), std::max(0.5 * s.field_of_view[1], 0.1)};
   for (const double pan : angles(s.head.pan, apart_.pan))
-    for (const double tilt : angles(s.head.tilt, apart_.tilt))
-      views_.push_back({{pan, tilt}, mounted.turned({pan, tilt}), kFirst});
-  reset();
-}
-
-void GazeChoice::reset() {
-  wanted_ = {};
-  for (View& view : views_) view.seen_at = kFirst;
+    for (const double tilt : angles(s.head.tilt, apart_.tilt)) views_.push_back({{pan, tilt}, kFirst});
 }
 
 void GazeChoice::saw(const Gaze& gaze, double time, const Isometry& X_WL, std::span<const Sight> sights) noexcept {
@@ -56,7 +49,7 @@ void GazeChoice::saw(const Gaze& gaze, double time, const Isometry& X_WL, std::s
 
 double GazeChoice::worth(const View& view, const Isometry& X_WL, std::span<const Sight> sights) const noexcept {
   const Sensor& s = mounted_->sensor;
-  const Isometry X_CW = (X_WL * view.X_LC).inverse(Eigen::Isometry);
+  const Isometry X_CW = (X_WL * mounted_->turned(view.gaze)).inverse(Eigen::Isometry);
   double sum = 0.0;
   for (const Sight& sight : sights) {
     const Vector3 p = X_CW * sight.p_W;

@@ -8,21 +8,20 @@
 
 namespace moma {
 
-/// A place at which a sensor should look.
+/// Place at which a sensor should look.
 struct Sight {
   Vector3 p_W = Vector3::Zero();
   double worth = 0.0;
 };
 
-/// Where a sensor on a head looks: the view with the most worth in it, times the time since it was looked at, over the
-/// time that a look takes. So a view that shows nothing new, since an arm hides it, gives way to others, and comes
-/// back. Views are half a field of view apart; a new one is chosen once the last was taken. Only the constructor
+/// Choice of where a sensor on a head looks: the view with the most worth in it, times the time since it was looked at,
+/// over the time that a look takes. So a view that shows nothing new, since an arm hides it, gives way to others, and
+/// comes back. Views are half a field of view apart; a new one is chosen once the last was taken. Only the constructor
 /// allocates.
 class GazeChoice {
  public:
   explicit GazeChoice(const MountedSensor& mounted);
 
-  void reset();
   bool on() const noexcept { return !views_.empty(); }
   const Gaze& wanted() const noexcept { return wanted_; }
   /// Notes a frame that was taken with this gaze, and chooses the next view if it was the one that was wanted.
@@ -32,7 +31,6 @@ class GazeChoice {
  private:
   struct View {
     Gaze gaze;
-    Isometry X_LC;
     double seen_at;  // [s]
   };
   double worth(const View& view, const Isometry& X_WL, std::span<const Sight> sights) const noexcept;

@@ -91,10 +91,9 @@ void SeenMap::see(const DepthFrame& frame) noexcept {
   sensor.waits = true;
 }
 
-const Gaze& SeenMap::gaze(int sensor) const noexcept {
-  static constexpr Gaze kAhead;
+Gaze SeenMap::gaze(int sensor) const noexcept {
   const auto i = static_cast<std::size_t>(sensor);
-  return i < sensors_.size() ? sensors_[i].choice.wanted() : kAhead;
+  return i < sensors_.size() ? sensors_[i].choice.wanted() : Gaze{};
 }
 
 bool SeenMap::waits() const noexcept {

@@ -40,8 +40,8 @@ class SeenMap {
   bool waits() const noexcept;
   /// The boxes, as many as count().
   std::span<const ObjectState> states() const noexcept { return states_; }
-  /// Where a sensor's head should look: at the unseen space next to the robot.
-  const Gaze& gaze(int sensor) const noexcept;
+  /// Returns where a sensor's head should look: at the unseen space next to the robot.
+  Gaze gaze(int sensor) const noexcept;
   const OccupancyMap& map() const noexcept { return map_; }
   /// Number of boxes of occupied space that found no place among them, of the last step that made boxes.
   int left_out() const noexcept { return left_out_; }

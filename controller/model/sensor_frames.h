@@ -80,7 +80,7 @@ class SensorFrames {
   /// Turns the sensor's head towards a direction, as far as it gets in a control period. Anything but numbers is
   /// ignored.
   void turn(int sensor, const Gaze& wanted) noexcept;
-  /// Where it looks now.
+  /// Present angles of its head.
   const Gaze& gaze(int sensor) const noexcept { return at(sensor).gaze; }
   /// Position of the sensor in its latest frame.
   const Vector3& place_W(int sensor) const noexcept { return at(sensor).p_W; }

@@ -48,7 +48,8 @@ constexpr void describe(auto& v, Of<PredictionMemory>) {
            unless_default({.text = "joints follow commands that waited longer before"}));
   v.member("drive", &M::drive, unless_default({.text = "index of the drive that the base is taken to have"}));
   v.member("slowing", &M::slowing,
-           unless_default({.text = "least share of the base's deceleration that a drive had that was found so far"}));
+           unless_default(in_range({0.0, 1.0, true}, "1",
+                                   "least share of the base's deceleration that a drive had that was found so far")));
   v.member("driven", &M::driven, unless_default(quantity("m/s or rad/s", "the base's velocity by each drive")));
   v.member(
       "gain_measured", &M::gain_measured,

@@ -23,6 +23,7 @@ constexpr double kFollows = 1e-6;  // of a drive's velocity from its command
 // Shares of the drive's accelerations that are compared.
 constexpr auto kDrives = std::to_array<BaseRamp::Shares>(
     {{}, {1.0, 0.75}, {1.0, 0.5}, {1.0, 1.0 / 3.0}, {0.75, 0.75}, {0.5, 0.5}, {1.0 / 3.0, 1.0 / 3.0}});
+constexpr int kNumDrives = static_cast<int>(kDrives.size());
 
 int whole_periods(double seconds, double dt) noexcept { return static_cast<int>(std::ceil(seconds / dt - 1e-9)); }
 
@@ -109,7 +110,7 @@ void Predictor::reset(std::span<const ObjectShape> objects, std::size_t more) {
   m.begun = false;
   m.catching_up = false;
   m.base.setZero();
-  const int pairs = tried_ * static_cast<int>(kDrives.size());
+  const int pairs = tried_ * kNumDrives;
   m.base_trip = {base_dof_ > 0 ? whole_periods(params_.base_drive, dt_) + base_age_ : 0, VectorX::Zero(pairs)};
   m.joint_trip = {whole_periods(params_.joint_drive, dt_) + joint_age_, VectorX::Zero(tried_)};
   m.drive = 0;
@@ -153,10 +154,11 @@ Vector3 Predictor::arriving_command() const noexcept {
 
 // Advances the base's velocity by the period in which the command sent last acts, for each drive.
 void Predictor::follow_drives() noexcept {
+  if (!params_.identify || base_dof_ == 0) return;
   PredictionMemory& m = memory_;
   const Vector3 command = gains().cwiseProduct(sent_to_base(m, 0, base_dof_));
   BaseRamp ramp = ramp_;
-  for (int i = 0; i < static_cast<int>(kDrives.size()); ++i) {
+  for (int i = 0; i < kNumDrives; ++i) {
     ramp.set_shares(kDrives[at(i)]);
     Vector3 velocity = driven(i, 0);
     ramp.follow(command, dt_, velocity);
@@ -171,7 +173,7 @@ void Predictor::follow_drives() noexcept {
 bool Predictor::identify_base(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
   const EstimationParams& e = params_.estimation;
-  for (int i = 0; i < static_cast<int>(kDrives.size()); ++i)
+  for (int i = 0; i < kNumDrives; ++i)
     for (int age = 0; age < tried_; ++age)
       settle(m.base_trip.misfit, i * tried_ + age,
              (o.qdot.head(base_dof_) - driven(i, age).head(base_dof_)).squaredNorm(), dt_ / e.forget);
@@ -190,6 +192,7 @@ bool Predictor::identify_base(const Observation& o) noexcept {
   return true;
 }
 
+// While a drive speeds up or slows down, its velocity tells nothing of its gain.
 void Predictor::identify_gains(const Observation& o, const Vector3& command) noexcept {
   PredictionMemory& m = memory_;
   const Vector3 follows = gains().cwiseProduct(command) - driven(m.drive, m.base_trip.periods);
@@ -217,16 +220,19 @@ void Predictor::identify(const Observation& o) noexcept {
     settle(m.joint_trip.misfit, age, (o.qdot.tail(num_joints_) - m.sent[at(age)].tail(num_joints_)).squaredNorm(),
            dt_ / e.forget);
   const int joint_trip = chosen(m.joint_trip.misfit, m.joint_trip.periods, kFloor, e.better);
-  const bool joints = joint_trip != m.joint_trip.periods;
+  bool changed = joint_trip != m.joint_trip.periods;
   m.joint_trip.periods = joint_trip;
-  const bool base = base_dof_ > 0 && identify_base(o);
-  if (base_dof_ > 0) identify_gains(o, arriving_command());
-  if (!base && !joints) return;
+  if (base_dof_ > 0) {
+    if (identify_base(o)) changed = true;
+    identify_gains(o, arriving_command());
+  }
+  if (!changed) return;
   const int waited = hold_joints_;
   synchronise();
   if (hold_joints_ < waited) memory_.catching_up = true;
 }
 
+// Returns the mean velocity of the base in the period in which the command sent `age` periods before the latest acts.
 Vector3 Predictor::mean_velocity(int age) const noexcept {
   Vector3 velocity = memory_.base_velocity[at(age + 1)];
   return ramp_.follow(gains().cwiseProduct(sent_to_base(memory_, age, base_dof_)), dt_, velocity);
@@ -424,7 +430,7 @@ std::string prediction_mismatch(const PredictionMemory& memory, const RobotModel
     if (wrong.empty() && !(found >= 0 && found <= static_cast<int>(last)))
       wrong = std::string(key) + " is " + std::to_string(found) + ", expected 0 to " + std::to_string(last);
   };
-  index("drive", memory.drive, kDrives.size() - 1);
+  index("drive", memory.drive, kNumDrives - 1);
   if (wrong.empty()) wrong = count("objects", memory.objects.size(), wanted.objects.size());
   for (const auto* commands : {&memory.computed, &memory.sent})
     for (const VectorX& u : *commands)

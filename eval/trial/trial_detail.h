@@ -16,8 +16,8 @@ namespace moma {
 /// std::invalid_argument if the trial ends before, or if its controller is a plugin.
 ControlCase case_of_step(const TrialSpec& spec, const World& world, long k);
 
-/// What the controller of one trial went by: the QP's rows about distances, at the state that it predicted and of the
-/// objects that it sensed, the boxes of its map, and where its sensors looked.
+/// Record of what the controller of one trial went by: the QP's rows about distances, at the state that it predicted
+/// and of the objects that it sensed, the boxes of its map, and where its sensors looked.
 struct TrialDetail {
   struct Row {
     double t = 0.0;  ///< of the control step [s]
@@ -40,7 +40,7 @@ struct TrialDetail {
   static constexpr double kMapRate = 4.0;  ///< pictures per second
   double cell = 0.0;                       ///< edge of a cell of the map [m]; 0 without a map
   std::vector<Box> boxes;                  ///< by their first picture
-  /// Where the head of a sensor looked, as measured, in a frame that the map got.
+  /// Angles of a sensor's head, as measured, in a frame that the map got.
   struct Look {
     int sensor = 0;  ///< index into RobotModel::sensors
     double t = 0.0;  ///< at which the frame was taken [s]
