@@ -274,12 +274,14 @@ void ControllerCore::get_memory(ControllerMemory& memory) const {
   memory.escape = escape_.memory();
   if (predictor_.on()) memory.prediction = predictor_.memory();
   if (lookahead_) memory.plan = lookahead_->state();
+  memory.map = map_.boxes();
 }
 
 void ControllerCore::set_memory(const ControllerMemory& memory) noexcept {
   escape_.set_memory(memory.escape);
   if (predictor_.on()) predictor_.set_memory(memory.prediction);
   if (lookahead_) lookahead_->set_state(memory.plan);
+  if (map_.on()) map_.set_boxes(memory.map);
 }
 
 std::string ControllerCore::row_name(int row) const {

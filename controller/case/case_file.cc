@@ -61,6 +61,18 @@ void check_prediction(const ControlCase& c, const Node& state) {
   if (!mismatch.empty()) wrong(mismatch);
 }
 
+// Boxes are those that a map with the controller's parameters can have.
+void read_boxes(const Node& node, const std::string& key, const MapParams& params, std::vector<MapBox>& boxes) {
+  if (!params.enabled) config::fail(node.mark, key, "the controller has no map: its `map` is off");
+  config::description::read_any(node, key, boxes, {}, {});
+  const int count = params.num_objects();
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    if (boxes[i].object >= count)
+      config::fail(node.items[i].mark, key + "[" + std::to_string(i) + "].object",
+                   "found " + std::to_string(boxes[i].object) + ", but the controller's map has " +
+                       std::to_string(count) + " objects");
+}
+
 void read_state(const Node& node, const RobotModel& model, ControlCase& c) {
   MapReader in(node, "state");
   if (const Node* remembered = in.get("plan")) {
@@ -69,6 +81,7 @@ void read_state(const Node& node, const RobotModel& model, ControlCase& c) {
     c.has_plan = true;
   }
   read_remembered(in, model, c.memory);
+  if (const Node* boxes = in.get("map")) read_boxes(*boxes, in.key_of("map"), c.controller.map, c.memory.map);
   // A fixed base may stand anywhere, but it has to stand somewhere only where it can move.
   if (model.mobile()) in.require("base", "[x, y, phi] of the base in metres and radians");
   read_sensed(in, model, c.observation);
@@ -118,6 +131,7 @@ Json case_to_json(const ControlCase& c) {
   state["escape"] = config::write_described(c.memory.escape.state);
   if (c.memory.escape.has_goal) state["last_goal"] = sensed_to_json(c.memory.escape.last_goal);
   if (!c.memory.prediction.computed.empty()) state["prediction"] = config::write_described(c.memory.prediction);
+  if (!c.memory.map.empty()) state["map"] = config::description::any_to_json(c.memory.map, {}, {});
   if (c.has_plan) state["plan"] = to_json(c.memory.plan);
   Json objects = Json::array();
   for (std::size_t i = 0; i < c.objects.size(); ++i) {

@@ -16,6 +16,7 @@ struct CaseStep {
     memory.escape = control_case.memory.escape;
     if (!control_case.memory.prediction.computed.empty()) memory.prediction = control_case.memory.prediction;
     if (control_case.has_plan) memory.plan = control_case.memory.plan;
+    memory.map = control_case.memory.map;
     controller.set_memory(memory);
     controller.prepare(result);
     controller.step(control_case.observation, result);

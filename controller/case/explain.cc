@@ -154,9 +154,41 @@ std::string describe_infeasible(const CaseStep& step) {
   return out;
 }
 
+// Names the unseen space that holds the motion.
+std::string describe_unseen(const CaseStep& step) {
+  const ControllerCore& controller = step.controller;
+  const QpProblem p = controller.final_problem();
+  const VectorX x = controller.solution().x.head(p.n());
+  const auto states = controller.map().states();
+  int rows = 0, nearest = -1;
+  for (int i = 0; i < p.rows; ++i) {
+    const RowId& id = p.ids[static_cast<std::size_t>(i)];
+    const auto object = static_cast<std::size_t>(id.second) - step.given.objects.size();
+    if (id.kind != RowKind::kObject || object >= states.size() || states[object].seen) continue;
+    if (p.ubA[i] - p.A.row(i).dot(x) > kActive) continue;
+    ++rows;
+    if (nearest < 0 || id.d < p.ids[static_cast<std::size_t>(nearest)].d) nearest = i;
+  }
+  if (rows == 0) return "";
+  const RowId& id = p.ids[static_cast<std::size_t>(nearest)];
+  const ObjectState& box = states[static_cast<std::size_t>(id.second) - step.given.objects.size()];
+  const Vector3& at = box.X_WO.translation();
+  return formatted(
+      "Unseen space holds the motion with %d %s until a sensor has looked into it: the nearest, %.4g m "
+      "away, is %.2f x %.2f x %.2f m about (%.4g, %.4g, %.4g).\n",
+      rows, rows == 1 ? "row" : "rows", id.d, box.box.x(), box.box.y(), box.box.z(), at.x(), at.y(), at.z());
+}
+
 std::string describe_evasion(const CaseStep& step) {
   return step.controller.evades()
              ? "The base drives off: what was asked for leaves no way out of the way of what moves.\n"
+             : "";
+}
+
+std::string describe_check(const CaseStep& step) {
+  const double kept = step.result.kept;
+  return kept < 1.0 && !step.controller.evades()
+             ? formatted("The check of the braking trajectory lets %.0f %% of the command through.\n", 100.0 * kept)
              : "";
 }
 
@@ -244,9 +276,9 @@ std::string explain(const ControlCase& control_case) {
     return out + "This method solves no QP: it knows neither obstacles nor joint limits.\n";
   }
   if (step.result.status == StepStatus::kInfeasible) out += describe_infeasible(step);
-  out += describe_evasion(step) + describe_fallback(step);
+  out += describe_evasion(step) + describe_check(step) + describe_fallback(step);
   if (!step.has_solution()) return out;
-  return out + describe_active(step) + describe_cost(step);
+  return out + describe_unseen(step) + describe_active(step) + describe_cost(step);
 }
 
 }  // namespace moma

@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kFirst = -10.0;   // time before a motion at which each view was looked at [s]
 constexpr double kStill = 0.05;    // difference of angles up to which a gaze is the one that was wanted [rad]
+constexpr double kLate = 1.0;      // time beyond that of a turn after which a head counts as stuck [s]
+constexpr double kAgain = 10.0;    // time for which a view is left out that the head did not reach [s]
 constexpr double kAnywhere = 1.0;  // worth of a view of nothing, so that all around is looked at now and then
 
 // Angles from one end of a range to the other, no more than `apart` from each other.
@@ -34,7 +36,11 @@ void GazeChoice::saw(const Gaze& gaze, double time, const Isometry& X_WL, std::s
     if (std::abs(view.gaze.pan - gaze.pan) <= 0.5 * apart_.pan &&
         std::abs(view.gaze.tilt - gaze.tilt) <= 0.5 * apart_.tilt)
       view.seen_at = time;
-  if (std::abs(wanted_.pan - gaze.pan) > kStill || std::abs(wanted_.tilt - gaze.tilt) > kStill) return;
+  if (std::abs(wanted_.pan - gaze.pan) > kStill || std::abs(wanted_.tilt - gaze.tilt) > kStill) {
+    if (time <= due_) return;
+    for (View& view : views_)
+      if (view.gaze == wanted_) view.seen_at = time + kAgain;
+  }
   const Sensor& s = mounted_->sensor;
   double best = -1.0;
   for (const View& view : views_) {
@@ -44,6 +50,7 @@ void GazeChoice::saw(const Gaze& gaze, double time, const Isometry& X_WL, std::s
     if (score <= best) continue;
     best = score;
     wanted_ = view.gaze;
+    due_ = time + cost + kLate;
   }
 }
 

@@ -16,15 +16,16 @@ struct Sight {
 
 /// Choice of where a sensor on a head looks: the view with the most worth in it, times the time since it was looked at,
 /// over the time that a look takes. So a view that shows nothing new, since an arm hides it, gives way to others, and
-/// comes back. Views are half a field of view apart; a new one is chosen once the last was taken. Only the constructor
-/// allocates.
+/// comes back. Views are half a field of view apart; a new one is chosen once the last was taken, or if the head is not
+/// there a second after it could be. Only the constructor allocates.
 class GazeChoice {
  public:
   explicit GazeChoice(const MountedSensor& mounted);
 
   bool on() const noexcept { return !views_.empty(); }
   const Gaze& wanted() const noexcept { return wanted_; }
-  /// Notes a frame that was taken with this gaze, and chooses the next view if it was the one that was wanted.
+  /// Notes a frame that was taken with this gaze, and chooses the next view if it was the one that was wanted, or if
+  /// that one does not come: it is then left out for a while.
   /// `X_WL`: pose of the sensor's link; cost: views x sights.
   void saw(const Gaze& gaze, double time, const Isometry& X_WL, std::span<const Sight> sights) noexcept;
 
@@ -39,6 +40,7 @@ class GazeChoice {
   Gaze apart_;  // half a field of view
   std::vector<View> views_;
   Gaze wanted_;
+  double due_ = 0.0;  // time after which the wanted view is given up [s]
 };
 
 }  // namespace moma

@@ -54,6 +54,9 @@ constexpr void describe(auto& v, Of<UnseenParams>) {
 
 /// Map of the space around the robot from its sensors' ranges (map/seen_map.h).
 struct MapParams {
+  /// Number of objects that stand for the map.
+  constexpr int num_objects() const noexcept { return boxes + (unseen.enabled ? unseen.boxes : 0); }
+
   bool enabled = false;
   double cell = 0.05;   ///< edge of a cell [m]
   double window = 6.4;  ///< horizontal edge of the mapped window, which moves with the base [m]

@@ -63,7 +63,7 @@ void SeenMap::reset() {
   ObjectState hidden;
   hidden.visible = false;
   const auto boxes = static_cast<std::size_t>(params_.boxes);
-  states_.assign(boxes + static_cast<std::size_t>(params_.unseen.enabled ? params_.unseen.boxes : 0), hidden);
+  states_.assign(static_cast<std::size_t>(params_.num_objects()), hidden);
   occupied_.states = std::span(states_).first(boxes);
   unseen_.states = std::span(states_).subspan(boxes);
   for (ObjectState& state : unseen_.states) state.seen = false;
@@ -89,6 +89,24 @@ void SeenMap::see(const DepthFrame& frame) noexcept {
   if (!std::isfinite(frame.time) || !std::isfinite(frame.gaze.pan) || !std::isfinite(frame.gaze.tilt)) return;
   sensor.frame = frame;
   sensor.waits = true;
+}
+
+std::vector<MapBox> SeenMap::boxes() const {
+  std::vector<MapBox> out;
+  for (std::size_t i = 0; i < count(); ++i)
+    if (states_[i].visible) out.push_back({static_cast<int>(i), states_[i].X_WO.translation(), states_[i].box});
+  return out;
+}
+
+void SeenMap::set_boxes(std::span<const MapBox> boxes) noexcept {
+  for (ObjectState& state : states_) state.visible = false;
+  for (const MapBox& box : boxes) {
+    if (static_cast<std::size_t>(box.object) >= count()) continue;
+    ObjectState& state = states_[static_cast<std::size_t>(box.object)];
+    state.visible = true;
+    state.X_WO.translation() = box.p_W;
+    state.box = box.size;
+  }
 }
 
 Gaze SeenMap::gaze(int sensor) const noexcept {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "controller/map/gaze.h"
+#include "controller/map/map_box.h"
 #include "controller/map/occupancy_map.h"
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
@@ -40,6 +41,11 @@ class SeenMap {
   bool waits() const noexcept;
   /// The boxes, as many as count().
   std::span<const ObjectState> states() const noexcept { return states_; }
+  /// The same without those that hold nothing. Allocates.
+  std::vector<MapBox> boxes() const;
+  /// Takes the boxes of another map with these parameters, in place of its own, until the next frame. Boxes of objects
+  /// that this map does not have are left out.
+  void set_boxes(std::span<const MapBox> boxes) noexcept;
   /// Returns where a sensor's head should look: at the unseen space next to the robot.
   Gaze gaze(int sensor) const noexcept;
   const OccupancyMap& map() const noexcept { return map_; }

@@ -20,34 +20,43 @@ namespace {
 /// One of moma's controllers, recorded before a step: its observation and memory.
 class Witness final : public StepController {
  public:
-  Witness(const TrialSpec& spec, long k, ControlCase& out, bool& found)
+  struct Taken {
+    bool found = false;
+    bool waits = false;  // the map waits for the first frames, and the robot brakes
+  };
+  Witness(const TrialSpec& spec, long k, ControlCase& out, Taken& taken)
       : controller_(spec.robot->model, told_params(spec), spec.simulation.control_period),
         k_(k),
         period_(spec.simulation.control_period),
         out_(out),
-        found_(found) {}
+        taken_(taken) {}
 
   void reset(std::span<const ObjectShape> objects) override {
     controller_.reset(objects);
     out_.objects.assign(objects.begin(), objects.end());
   }
   void step(const Observation& observation, StepResult& result) noexcept override {
-    if (std::lround(observation.time / period_) == k_) {
+    taken_.found = std::lround(observation.time / period_) == k_;
+    if (taken_.found) {
       out_.observation = observation;
       controller_.get_memory(out_.memory);
-      found_ = true;
     }
     controller_.step(observation, result);
+    if (!taken_.found) return;
+    taken_.waits = controller_.map().waits();
+    out_.memory.map = controller_.map().boxes();  // by the frames that the step worked on
   }
+  void see(const DepthFrame& frame) noexcept override { controller_.see(frame); }
+  Gaze gaze(int sensor) const noexcept override { return controller_.gaze(sensor); }
   void prepare(StepResult& result) const override { controller_.prepare(result); }
-  std::string_view failure() const noexcept override { return found_ ? "is where the case was taken" : ""; }
+  std::string_view failure() const noexcept override { return taken_.found ? "is where the case was taken" : ""; }
 
  private:
   ControllerCore controller_;
   long k_;
   double period_;
   ControlCase& out_;
-  bool& found_;
+  Taken& taken_;
 };
 
 }  // namespace
@@ -55,23 +64,24 @@ class Witness final : public StepController {
 ControlCase case_of_step(const TrialSpec& spec, const World& world, long k) {
   if (spec.plugin != nullptr)
     throw std::invalid_argument("a plugin's steps have no cases: what it remembers is its own");
-  if (spec.disturbances.detection.seen_by == SeenBy::kDepth)
-    throw std::invalid_argument("a step that is told by depth has no case: its map is not written");
   ControlCase out;
   out.robot = *spec.robot;
   out.controller = told_params(spec);
   out.control_period = spec.simulation.control_period;
   out.has_plan = out.controller.plan.enabled;
-  bool found = false;
+  Witness::Taken taken;
   TrialParts parts;
-  parts.controller = [&](const TrialSpec& p) { return std::make_unique<Witness>(p, k, out, found); };
+  parts.controller = [&](const TrialSpec& p) { return std::make_unique<Witness>(p, k, out, taken); };
   const TrialOutput trial = run_trial(spec, world, parts);
-  if (!found) {
+  if (!taken.found) {
     throw std::invalid_argument(
         static_cast<std::size_t>(k) < trial.trace.size()
             ? fmt::format("control step {} of the trial was missed (disturbances.control.missed)", k)
             : fmt::format("the trial has no control step {}: it ends after {}", k, trial.trace.size()));
   }
+  if (taken.waits)
+    throw std::invalid_argument(
+        fmt::format("control step {} has no case: the controller brakes until each sensor has sent a frame", k));
   return out;
 }
 

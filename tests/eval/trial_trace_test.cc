@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "controller/case/case_step.h"
+#include "controller/case/solve.h"
 #include "controller/controller_core.h"
 #include "eval/trial/trial.h"
 #include "eval/trial/trial_detail.h"
@@ -115,6 +117,61 @@ struct MapWitness final : StepController {
   std::map<int, Picture>& pictures;
   std::map<double, Gaze>& gazes;  // of the first sensor
 };
+
+// A case has the boxes of the map as the step got them, so that its command is the trial's, and says in words where
+// unseen space holds it.
+TEST(CaseOfStep, HasTheMapOfAStepThatIsToldByDepth) {
+  const Suite suite =
+      load_suite(MOMA_SOURCE_DIR "/configs/suites/depth.yaml", {{"simulation.time_limit", "1"},
+                                                                {"worlds.seed", "717171"},
+                                                                {"worlds.start_room", "0.4"},
+                                                                {"controllers.moma.map.unseen.start", "0.4"}});
+  const SuitePoint& point = suite.points[0];
+  const World world = point.worlds.make(point.robot->model, 1);
+  const std::vector<Sample> trace = run_trial(point, world).trace;
+  int held = 0, told = 0, other = 0;
+  for (long k = 9; k < static_cast<long>(trace.size()); k += 5) {
+    const ControlCase stored = case_of_step(point, world, k);
+    ControlCase read = read_case(config::parse_yaml(case_to_json(stored).dump(), "case.json"));
+    const CaseStep step(read);
+    EXPECT_EQ(step.result.command, trace[static_cast<std::size_t>(k)].command) << "step " << k;
+    bool waits = false;
+    const QpProblem problem = step.controller.final_problem();
+    for (int i = 0; i < problem.rows; ++i) {
+      const RowId& id = problem.ids[static_cast<std::size_t>(i)];
+      if (id.kind != RowKind::kObject || step.controller.map().states()[static_cast<std::size_t>(id.second)].seen)
+        continue;
+      waits |= problem.ubA[i] - problem.A.row(i).dot(step.controller.solution().x.head(problem.n())) < 1e-7;
+    }
+    const bool says = explain(read).find("Unseen space holds the motion with") != std::string::npos;
+    EXPECT_EQ(says, waits) << "step " << k;
+    held += waits ? 1 : 0;
+    read.memory.map.clear();
+    other += CaseStep(read).result.command == trace[static_cast<std::size_t>(k)].command ? 0 : 1;
+    ++told;
+  }
+  EXPECT_GT(told, 6);
+  EXPECT_GT(held, 0);
+  EXPECT_GT(other, 0) << "the map has nothing to do with the commands";
+  EXPECT_THROW(case_of_step(point, world, 0), std::invalid_argument) << "no frame has come";
+  const Json good = case_to_json(case_of_step(point, world, 9));
+  const auto error_of = [](const Json& json) -> std::string {
+    try {
+      read_case(config::parse_yaml(json.dump(), "case.json"));
+    } catch (const config::ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Json bad = good;
+  bad["state"]["map"][0]["object"] = 416;
+  EXPECT_NE(error_of(bad).find("state.map[0].object: found 416, but the controller's map has 416 objects"),
+            std::string::npos)
+      << error_of(bad);
+  bad = good;
+  bad["controller"]["map"]["enabled"] = false;
+  EXPECT_NE(error_of(bad).find("state.map: the controller has no map"), std::string::npos) << error_of(bad);
+}
 
 // Where boxes are made with each frame they are the cells, to the last one. The front camera is on a head.
 TEST(TrialDetail, HasTheBoxesOfTheMapsCellsAndWhereTheHeadLooks) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "controller/config/controller_file.h"
 #include "controller/controller_core.h"
@@ -328,6 +329,27 @@ TEST(GazeChoice, WhatIsWorthMostComesFirstAndNothingIsLeftOut) {
   std::ranges::sort(looked);
   const auto repeated = std::ranges::unique(looked);
   EXPECT_EQ(looked.size() - repeated.size(), 16U * 6U) << "views 0.2 rad apart";
+}
+
+// A head that does not come to where it should look is sent elsewhere.
+TEST(GazeChoice, AHeadThatIsStuckIsSentElsewhere) {
+  MountedSensor camera = robot_with_cameras()->sensors[0];
+  camera.X_LC = Isometry::Identity();
+  camera.sensor.field_of_view = {0.4, 0.4};
+  camera.sensor.head = {.pan = {-1.5, 1.5}, .tilt = {-0.5, 0.5}};
+  GazeChoice choice(camera);
+  const std::vector<Sight> sights{{Vector3(0.1, 1.0, 0.0), 50.0}};
+  constexpr double kStop = 0.8;  // the head turns no further
+  std::set<std::pair<double, double>> wanted;
+  int beyond = 0;
+  for (int frame = 0; frame < 600; ++frame) {
+    const Gaze look = choice.wanted();
+    choice.saw({std::clamp(look.pan, -kStop, kStop), look.tilt}, 0.1 * frame, Isometry::Identity(), sights);
+    wanted.emplace(choice.wanted().pan, choice.wanted().tilt);
+    beyond += std::abs(choice.wanted().pan) > kStop ? 1 : 0;
+  }
+  EXPECT_GT(beyond, 50) << "the sight is beyond the stop";
+  EXPECT_GT(wanted.size(), 20U);
 }
 
 TEST(SeenMap, WhatGoesIsForgottenAndWhatIsHiddenIsKept) {
