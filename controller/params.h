@@ -94,6 +94,7 @@ struct CollisionParams {
   DamperParams object{true, 0.3, 0.05, 1.0};
   int max_pairs = 30;
   double moving_room = 0.0;  ///< [m]
+  double away = 0.0;         ///< weight of the cost of approaching objects (qp/terms.cc)
   DamperParams floor;
   DamperParams self;
   BrakingParams braking;

@@ -95,6 +95,9 @@ constexpr void describe(auto& v, Of<CollisionParams>) {
   v.member("max_pairs", &T::max_pairs, in_range({0, 10000}, "", "largest number of pairs with rows, nearest first"));
   v.member("moving_room", &T::moving_room,
            unless_default(non_negative("m", "distance beyond `stop` that rows keep from objects in motion")));
+  v.member(
+      "away", &T::away,
+      unless_default(non_negative("", "weight of the cost of approaching the objects that have rows, as in RMMI")));
   v.member("floor", &T::floor, {.text = "rows against the floor"});
   v.member("self", &T::self, {.text = "rows between the robot's own shapes"});
   v.optional("braking", &T::braking, &BrakingParams::enabled, Off::kOmitted,

@@ -111,8 +111,6 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   problem_.lb.head(bounds_.lower.size()) = bounds_.lower;
   problem_.ub.head(bounds_.upper.size()) = bounds_.upper;
 
-  objective_.pose(params_, *model_, now, asked, problem_);
-
   problem_.rows = 0;
   stop_ = stop_near_goal(asked, now);
   // A path keeps clear of objects by itself: the damper's rate would slow it down.
@@ -131,6 +129,7 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
     add_drive_rows(bounds_.pair, problem_);
   }
   upright_.add(now, problem_);
+  objective_.pose(params_, *model_, now, asked, problem_);
   return {asked_, bounds_, problem_, near(), stop_};
 }
 

@@ -1,5 +1,7 @@
 #include "controller/qp/terms.h"
 
+#include <algorithm>
+
 namespace moma {
 namespace {
 
@@ -9,6 +11,7 @@ struct Input {
   const RobotModel& model;
   const Situation& now;
   const QpTask& asked;
+  const QpProblem& problem;  // with its rows
 
   int base() const noexcept { return model.base_dof(); }
   int joints() const noexcept { return model.num_joints(); }
@@ -51,6 +54,27 @@ bool turn_base(const Input& in, Part out) noexcept {
 bool raise_manipulability(const Input& in, Part out) noexcept {
   if (in.asked.pull || in.params.manipulability.weight == 0.0) return false;
   out.g.segment(in.base(), in.joints()) -= in.params.manipulability.weight * in.now.J_m;
+  return true;
+}
+
+// The active collision cost of RMMI (Marticorena et al., arXiv 2408.16206): lambda times the weighted mean of the rows
+// of objects, so that these distances grow. A row weighs (d_i - d)/(d_i - d_s); lambda = away ((d_i - d_min)/(d_i -
+// d_s))^2. In RMMI a row is about a point of the robot's surface, here about a shape of the robot and an object.
+bool move_away(const Input& in, Part out) noexcept {
+  const CollisionParams& p = in.params.collision;
+  if (p.away == 0.0) return false;
+  const auto nearness = [&](double d) { return (p.object.influence - d) / (p.object.influence - p.object.stop); };
+  double sum = 0.0, nearest = 0.0;
+  for (int i = 0; i < in.problem.rows; ++i) {
+    const RowId& id = in.problem.ids[static_cast<std::size_t>(i)];
+    if (id.kind != RowKind::kObject) continue;
+    const double weight = std::max(nearness(id.d), 0.0);
+    sum += weight;
+    nearest = std::max(nearest, weight);
+    out.g += weight * in.problem.A.row(i).transpose();
+  }
+  if (sum <= 0.0) return false;
+  out.g *= p.away * nearest * nearest / sum;
   return true;
 }
 
@@ -111,6 +135,7 @@ constexpr std::array<Term, Objective::kTerms> kList{{
     {"moving the joints", move_joints},
     {"turning the base to its work", turn_base},
     {"manipulability", raise_manipulability},
+    {"approaching objects", move_away},
     {"velocities other than those asked for", pull_to_velocities},
     {"slack (not following the goal)", keep_slack_small},
     {"acceleration", keep_velocity},
@@ -128,7 +153,7 @@ void Objective::allocate(int num_variables) {
 
 void Objective::pose(const ControllerParams& params, const RobotModel& model, const Situation& now, const QpTask& asked,
                      QpProblem& problem) noexcept {
-  const Input in{params, model, now, asked};
+  const Input in{params, model, now, asked, problem};
   problem.H.setZero();
   problem.g.setZero();
   for (int t = 0; t < kTerms; ++t) {

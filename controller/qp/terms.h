@@ -40,11 +40,12 @@ struct TermCost {
 /// first in x: base, then joints, then delta. Only allocate() and costs() allocate.
 class Objective {
  public:
-  static constexpr int kTerms = 9;
+  static constexpr int kTerms = 10;
 
   void allocate(int num_variables);
   /// Removes all terms: costs() is empty.
   void clear() noexcept { on_ = {}; }
+  /// Poses H and g of a problem that has its rows.
   void pose(const ControllerParams& params, const RobotModel& model, const Situation& now, const QpTask& asked,
             QpProblem& problem) noexcept;
   /// Returns the costs at x of the active terms of the last pose(), in the order of controller.md. Their sum is

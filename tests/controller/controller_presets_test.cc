@@ -12,8 +12,8 @@
 namespace moma {
 namespace {
 
-const std::vector<std::string> kPresets = {"rrmc",   "park",          "baur",      "mmc",        "neo", "holistic",
-                                           "source", "moma-reactive", "moma-safe", "moma-ahead", "moma"};
+const std::vector<std::string> kPresets = {"rmmi",     "rrmc",   "park",          "baur",      "mmc",        "neo",
+                                           "holistic", "source", "moma-reactive", "moma-safe", "moma-ahead", "moma"};
 
 ControllerParams preset(const std::string& name, const RobotModel& model, double period = 0.02) {
   std::vector<std::string> warnings;

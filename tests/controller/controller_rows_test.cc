@@ -99,6 +99,61 @@ TEST(ControllerRows, CollisionRowsMatchTheMeasuredRateOfDistance) {
   EXPECT_GT(moving, 100);
 }
 
+// The cost of approaching objects falls as fast as their weighted mean distance grows, times its weight and the nearest
+// one's square.
+TEST(ControllerRows, ApproachingObjectsCostsAsMuchAsTheirMeanDistanceShrinks) {
+  Rng rng(11);
+  int checked = 0, none = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const auto model = built_robots()[rng() % 3];
+    ControllerParams p;
+    p.collision.self.enabled = trial % 2 == 0;
+    std::vector<ObjectShape> shapes(4, {"o", {ShapeKind::kSphere, {0.1, 0, 0}, nullptr}});
+    for (std::size_t i = 0; i < shapes.size(); ++i) shapes[i].name += std::to_string(i);
+    Observation o = random_observation(*model, shapes.size(), rng);
+    for (ObjectState& s : o.objects) s.V_WO_W.setZero();
+    Rig without(model, p, shapes);
+    without.step(o);
+    p.collision.away = 2.5;
+    Rig with(model, p, shapes);
+    with.step(o);
+    const VectorX g = with.controller.problem().g - without.controller.problem().g;
+    EXPECT_EQ(with.controller.problem().H, without.controller.problem().H);
+    const VectorX v = VectorX::NullaryExpr(model->num_velocities(), [&] { return uniform(rng, -0.5, 0.5); });
+    double sum = 0.0, rate = 0.0, nearest = 1.0;
+    bool smooth = true;
+    const QpProblem& problem = with.controller.problem();
+    for (const ProximityPair& pair : with.controller.distances()) {
+      const auto has_row = [&](const RowId& id) {
+        return id.kind == RowKind::kObject && id.first == pair.first && id.second == pair.second;
+      };
+      if (pair.kind != PairKind::kObject ||
+          std::none_of(problem.ids.begin(), problem.ids.begin() + problem.rows, has_row))
+        continue;
+      constexpr double kStep = 1e-5;
+      const double ahead = moved_distance(*model, shapes, o, pair, v, kStep);
+      const double behind = moved_distance(*model, shapes, o, pair, v, -kStep);
+      const double here = moved_distance(*model, shapes, o, pair, v, 0.0);
+      smooth &= pair.distance.d > 0.01 && std::abs(ahead - 2.0 * here + behind) < 1e-4 * kStep;
+      const double far = (here - 0.05) / (0.3 - 0.05);  // 0 at the stop distance, 1 at that of influence
+      sum += 1.0 - far;
+      rate += (1.0 - far) * (ahead - behind) / (2.0 * kStep);
+      nearest = std::min(nearest, far);
+    }
+    if (sum == 0.0) {
+      EXPECT_TRUE(g.isZero(0.0));
+      ++none;
+    } else if (smooth) {
+      const double lambda = 2.5 * (1.0 - nearest) * (1.0 - nearest);
+      EXPECT_NEAR(g.head(v.size()).dot(v), -lambda * rate / sum, 1e-4 * lambda) << model->name;
+      EXPECT_TRUE(g.tail(g.size() - v.size()).isZero(0.0)) << "the slack";
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 100);
+  EXPECT_GT(none, 10);
+}
+
 TEST(ControllerRows, NearestFirstAndLimitedInNumber) {
   Rng rng(5);
   const auto model = frankie();
