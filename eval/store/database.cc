@@ -191,7 +191,7 @@ SQLite::Database open_database(const fs::path& file, Access access) {
     if (empty) {
       create_schema(db);
     } else {
-      if (schema_version(db) < kSchemaVersion) migrate(db, migrations(), kSchemaVersion);
+      if (schema_version(db) < kSchemaVersion) migrate(db);
       add_described_columns(db);
     }
     return db;

@@ -24,17 +24,14 @@ namespace {
 
 static_assert(is_complete<Difficulty>(), "a member of Difficulty without its line in describe()");
 
-/// A line of CREATE TABLE for each column, with the column's description as a comment. Later columns stand last: a new
-/// table then equals an old one to which they were added.
+/// A line of CREATE TABLE for each column, with the column's description as a comment.
 std::string column_lines(std::string_view table, bool ends_table) {
   const auto& all = described_tables();
   const auto found = std::ranges::find_if(all, [&](const auto& t) { return t.first == table; });
   if (found == all.end()) return "";
-  std::vector<ColumnDefinition> ordered = found->second;
-  std::stable_partition(ordered.begin(), ordered.end(), [](const ColumnDefinition& c) { return !c.later; });
   std::string lines;
-  for (const ColumnDefinition& c : ordered) {
-    const bool last = ends_table && &c == &ordered.back();
+  for (const ColumnDefinition& c : found->second) {
+    const bool last = ends_table && &c == &found->second.back();
     const std::string code = fmt::format("{} {}{}", c.name, c.type, last ? "" : ",");
     lines += (lines.empty() ? "" : "\n  ") + (c.text.empty() ? code : fmt::format("{:<57} -- {}", code, c.text));
   }
@@ -88,6 +85,14 @@ std::string filled(std::string text) {
   return text;
 }
 
+/// The columns of R's table. Later columns stand last: a new table then equals an old one to which they were added.
+template <class R>
+std::vector<ColumnDefinition> in_table() {
+  std::vector<ColumnDefinition> columns = definitions<R>();
+  std::ranges::stable_partition(columns, [](const ColumnDefinition& c) { return !c.later; });
+  return columns;
+}
+
 /// "manipulability, mean" -> "mean manipulability".
 std::string mean_of(std::string_view label) {
   constexpr std::string_view kMean = ", mean";
@@ -120,24 +125,24 @@ void add_metrics(Json& list, std::string_view of) {
 
 const std::vector<std::pair<std::string, std::vector<ColumnDefinition>>>& described_tables() {
   static const std::vector<std::pair<std::string, std::vector<ColumnDefinition>>> kTables{
-      {"robot", definitions<RobotRow>()},
-      {"controller", definitions<ContentRow>()},
-      {"resolved_suite", definitions<ContentRow>()},
-      {"suite", definitions<SuiteRow>()},
-      {"point", definitions<PointRow>()},
-      {"world", definitions<WorldRecord>()},
-      {"invocation", definitions<InvocationRow>()},
-      {"trial", definitions<TrialRow>()},
-      {"execution", definitions<TrialRow::Timing>()},
-      {"samples", definitions<EncodedSamples>()},
-      {"metric", definitions<MetricRow>()},
-      {"metric_value", definitions<MetricValueRow>()},
-      {"tune_search", definitions<TuneSearchRecord>()},
-      {"tune_variable", definitions<TuneVariableRecord>()},
-      {"tune_evaluation", definitions<tune::Evaluation>()},
-      {"tune_finalist", definitions<tune::Finalist>()},
-      {"tune_sensitivity", definitions<TuneSensitivityRecord>()},
-      {"tune_comparison", definitions<TuneComparisonRecord>()},
+      {"robot", in_table<RobotRow>()},
+      {"controller", in_table<ContentRow>()},
+      {"resolved_suite", in_table<ContentRow>()},
+      {"suite", in_table<SuiteRow>()},
+      {"point", in_table<PointRow>()},
+      {"world", in_table<WorldRecord>()},
+      {"invocation", in_table<InvocationRow>()},
+      {"trial", in_table<TrialRow>()},
+      {"execution", in_table<TrialRow::Timing>()},
+      {"samples", in_table<EncodedSamples>()},
+      {"metric", in_table<MetricRow>()},
+      {"metric_value", in_table<MetricValueRow>()},
+      {"tune_search", in_table<TuneSearchRecord>()},
+      {"tune_variable", in_table<TuneVariableRecord>()},
+      {"tune_evaluation", in_table<tune::Evaluation>()},
+      {"tune_finalist", in_table<tune::Finalist>()},
+      {"tune_sensitivity", in_table<TuneSensitivityRecord>()},
+      {"tune_comparison", in_table<TuneComparisonRecord>()},
   };
   return kTables;
 }

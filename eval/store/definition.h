@@ -10,8 +10,8 @@ namespace moma::store {
 
 // The definition of the store, generated from schema.sql, views.sql and the descriptions of the records.
 
-/// The described columns of each table. In schema.sql they replace {{columns of TABLE}}; a store that lacks one gets it
-/// when it is opened for writing.
+/// The described columns of each table, in the order of a new table. In schema.sql they replace {{columns of TABLE}}; a
+/// store that lacks one gets it when it is opened for writing.
 const std::vector<std::pair<std::string, std::vector<ColumnDefinition>>>& described_tables();
 
 /// All tables and indices, but no views.

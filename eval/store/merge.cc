@@ -40,37 +40,34 @@ struct Reference {
 /// A table whose rows have ids, which each store gives on its own.
 struct IdTable {
   std::string name;
-  std::vector<Reference> references;
-  std::vector<std::string> same;    ///< columns that identify a row across stores
-  std::string shown, file_name;     ///< columns: the shown name, and its source; a taken name becomes NAME@2
-  std::vector<std::string> within;  ///< columns within whose values shown names are distinct
+  std::vector<std::string> same;  ///< columns that identify a row across stores
+  std::vector<Reference> references = {};
+  std::string shown = {}, file_name = {};  ///< columns: the shown name, and its source; a taken name becomes NAME@2
+  std::vector<std::string> within = {};    ///< columns within whose values shown names are distinct
 };
 
 /// The tables with ids; a table follows those that its rows refer to.
 const std::vector<IdTable>& id_tables() {
   static const std::vector<IdTable> kTables{
-      {"robot", {}, {"hash"}, "", "", {}},
-      {"controller", {}, {"hash"}, "", "", {}},
-      {"resolved_suite", {}, {"hash"}, "", "", {}},
-      {"world", {}, {"hash"}, "", "", {}},
-      {"suite", {}, {"file_name", "setting_hash"}, "name", "file_name", {}},
+      {"robot", {"hash"}},
+      {"controller", {"hash"}},
+      {"resolved_suite", {"hash"}},
+      {"world", {"hash"}},
+      {"suite", {"file_name", "setting_hash"}, {}, "name", "file_name"},
       {"point",
+       {"suite_id", "controller_name", "label", "content_hash"},
        {{"suite_id", "suite"},
         {"robot_id", "robot"},
         {"controller_id", "controller"},
         {"resolved_suite_id", "resolved_suite"}},
-       {"suite_id", "controller_name", "label", "content_hash"},
        "controller",
        "controller_name",
        {"suite_id", "label"}},
       // Merging the same store twice adds its invocations once.
       {"invocation",
-       {{"suite_id", "suite"}, {"resolved_suite_id", "resolved_suite"}},
        {"suite_id", "resolved_suite_id", "started", "host", "arguments"},
-       "",
-       "",
-       {}},
-      {"metric", {}, {"file_name", "expression"}, "name", "file_name", {}},
+       {{"suite_id", "suite"}, {"resolved_suite_id", "resolved_suite"}}},
+      {"metric", {"file_name", "expression"}, {}, "name", "file_name"},
   };
   return kTables;
 }

@@ -5,7 +5,6 @@
 #include <sqlite3.h>
 
 #include <algorithm>
-#include <stdexcept>
 #include <vector>
 
 #include "eval/store/columns.h"
@@ -16,13 +15,6 @@
 namespace moma::store {
 
 extern const char* const kMigrate1To2Sql;
-extern const char* const kMigrate2To3Sql;
-extern const char* const kMigrate3To4Sql;
-
-std::span<const Migration> migrations() noexcept {
-  static const Migration kSteps[] = {{1, kMigrate1To2Sql}, {2, kMigrate2To3Sql}, {3, kMigrate3To4Sql}};
-  return kSteps;
-}
 
 int schema_version(SQLite::Database& db) { return db.execAndGet("PRAGMA user_version").getInt(); }
 
@@ -37,15 +29,11 @@ void create_schema(SQLite::Database& db) {
   transaction.commit();
 }
 
-void migrate(SQLite::Database& db, std::span<const Migration> steps, int target) {
+void migrate(SQLite::Database& db) {
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
-  for (int version = schema_version(db); version < target; ++version) {
-    const auto step = std::ranges::find_if(steps, [&](const Migration& m) { return m.from == version; });
-    if (step == steps.end()) throw std::logic_error(fmt::format("no migration from store version {}", version));
-    db.exec(step->sql);
-    db.exec(fmt::format("PRAGMA user_version = {}", version + 1));
-  }
-  db.exec(views_sql());
+  // Version 2 moved what summaries ask for; the later ones brought described columns and other views.
+  if (schema_version(db) == 1) db.exec(kMigrate1To2Sql);
+  db.exec(fmt::format("PRAGMA user_version = {}", kSchemaVersion));
   transaction.commit();
 }
 

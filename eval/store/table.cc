@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -17,27 +18,7 @@ namespace {
 
 std::string column_name(const SQLite::Column& cell) { return cell.getName(); }
 
-// Little endian whatever the machine, so that a store can be carried anywhere.
-std::string to_bytes(const std::vector<double>& values) {
-  std::string bytes;
-  bytes.reserve(values.size() * 8);
-  for (const double value : values) {
-    const auto bits = std::bit_cast<std::uint64_t>(value);
-    for (int shift = 0; shift < 64; shift += 8) bytes.push_back(static_cast<char>(bits >> shift));
-  }
-  return bytes;
-}
-
-std::vector<double> from_bytes(const SQLite::Column& cell) {
-  const auto* bytes = static_cast<const unsigned char*>(cell.getBlob());
-  std::vector<double> values(static_cast<std::size_t>(cell.getBytes()) / 8);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    std::uint64_t bits = 0;
-    for (std::size_t b = 0; b < 8; ++b) bits |= static_cast<std::uint64_t>(bytes[8 * i + b]) << (8 * b);
-    values[i] = std::bit_cast<double>(bits);
-  }
-  return values;
-}
+static_assert(std::endian::native == std::endian::little, "lists of doubles are stored little-endian");
 
 }  // namespace
 
@@ -52,8 +33,8 @@ void bind_cell(SQLite::Statement& s, int index, const Blob& value) {
 }
 void bind_cell(SQLite::Statement& s, int index, const std::vector<double>& value, bool bits) {
   if (!bits) return s.bind(index, nlohmann::json(value).dump());
-  const std::string bytes = to_bytes(value);
-  s.bind(index, static_cast<const void*>(bytes.data()), static_cast<int>(bytes.size()));
+  const void* const bytes = value.empty() ? "" : static_cast<const void*>(value.data());
+  s.bind(index, bytes, static_cast<int>(value.size() * sizeof(double)));
 }
 
 void read_cell(const SQLite::Column& cell, double& value) { value = cell.isNull() ? kAbsent : cell.getDouble(); }
@@ -71,7 +52,8 @@ void read_cell(const SQLite::Column& cell, Blob& value) {
 }
 void read_cell(const SQLite::Column& cell, std::vector<double>& value, bool bits) {
   if (bits) {
-    value = from_bytes(cell);
+    value.resize(static_cast<std::size_t>(cell.getBytes()) / sizeof(double));
+    if (!value.empty()) std::memcpy(value.data(), cell.getBlob(), value.size() * sizeof(double));
     return;
   }
   const std::string text = cell.getString();
