@@ -56,14 +56,13 @@ class OrderedDelivery final : public JobBoard {
 
   void put(std::size_t position, BatchResult&& result) override {
     std::unique_lock lock(mutex_);
-    result.job = todo_[position];
     slots_[position % slots_.size()] = std::move(result);
     if (delivering_) return;
     delivering_ = true;
     while (!closed_ && delivered_ < taken_ && slots_[delivered_ % slots_.size()].has_value()) {
       BatchResult next = std::move(*slots_[delivered_ % slots_.size()]);
       slots_[delivered_ % slots_.size()].reset();
-      const BatchJob& job = jobs_[next.job];
+      const BatchJob& job = this->job(delivered_);
       const Outcome outcome = next.output.row.outcome;
       lock.unlock();
       bool go_on = false;
@@ -80,8 +79,6 @@ class OrderedDelivery final : public JobBoard {
         closed_ = true;
       } else {
         ++delivered_;
-        successes_ += outcome == Outcome::kSuccess ? 1 : 0;
-        errors_ += outcome == Outcome::kError ? 1 : 0;
         closed_ = closed_ || !go_on;
       }
       room_.notify_all();
@@ -97,8 +94,6 @@ class OrderedDelivery final : public JobBoard {
   }
 
   std::size_t delivered() const { return delivered_; }
-  std::size_t successes() const { return successes_; }
-  std::size_t errors() const { return errors_; }
   void rethrow() const {
     if (error_ != nullptr) std::rethrow_exception(error_);
   }
@@ -119,16 +114,15 @@ class OrderedDelivery final : public JobBoard {
     return std::nullopt;
   }
 
-  // Only the delivering thread calls this and changes the counts, so that reading them needs no lock.
-  void report(Outcome outcome) const {
-    BatchProgress progress;
-    progress.done = delivered_ + 1;
-    progress.total = todo_.size();
-    progress.successes = successes_ + (outcome == Outcome::kSuccess ? 1 : 0);
-    progress.errors = errors_ + (outcome == Outcome::kError ? 1 : 0);
-    progress.seconds = seconds();
-    progress.rate = progress.seconds > 0.0 ? static_cast<double>(progress.done) / progress.seconds : 0.0;
-    options_.progress(progress);
+  // Only the delivering thread calls this.
+  void report(Outcome outcome) {
+    ++progress_.done;
+    progress_.total = todo_.size();
+    progress_.successes += outcome == Outcome::kSuccess ? 1 : 0;
+    progress_.errors += outcome == Outcome::kError ? 1 : 0;
+    const double passed = seconds();
+    progress_.rate = passed > 0.0 ? static_cast<double>(progress_.done) / passed : 0.0;
+    options_.progress(progress_);
   }
 
   std::span<const BatchJob> jobs_;
@@ -141,8 +135,7 @@ class OrderedDelivery final : public JobBoard {
   std::vector<std::size_t> returned_;
   std::size_t taken_ = 0;
   std::size_t delivered_ = 0;
-  std::size_t successes_ = 0;
-  std::size_t errors_ = 0;
+  BatchProgress progress_;
   bool delivering_ = false;
   bool closed_ = false;
   std::exception_ptr error_;
@@ -151,29 +144,22 @@ class OrderedDelivery final : public JobBoard {
 
 // Selects the jobs to compute: neither skipped nor repeated.
 std::vector<std::size_t> select(std::span<const SuitePoint> points, std::span<const BatchJob> jobs,
-                                const BatchOptions& options, BatchSummary& summary) {
+                                const BatchOptions& options) {
   std::vector<std::size_t> todo;
   std::unordered_set<std::string_view> seen;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     if (jobs[i].point >= points.size())
       throw std::invalid_argument(fmt::format("job {} names point {} of {}", i, jobs[i].point, points.size()));
-    if (options.skip != nullptr && options.skip->contains(jobs[i].key)) {
-      ++summary.skipped;
-    } else if (!jobs[i].key.empty() && !seen.insert(jobs[i].key).second) {
-      ++summary.duplicates;
-    } else {
-      todo.push_back(i);
-    }
+    if (options.skip != nullptr && options.skip->contains(jobs[i].key)) continue;
+    if (jobs[i].key.empty() || seen.insert(jobs[i].key).second) todo.push_back(i);
   }
   return todo;
 }
 
 }  // namespace
 
-BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_t position,
-                        const BatchOptions& options) {
+BatchResult compute_job(const SuitePoint& point, const BatchJob& job, const BatchOptions& options) {
   BatchResult result;
-  result.job = position;
   std::optional<ProfileClock> profile;
   if (options.profile) profile.emplace(TrialPart::kWorld);
   ProfileClock* const clock = profile ? &*profile : nullptr;
@@ -205,8 +191,7 @@ BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_
 
 BatchSummary run_batch(std::span<const SuitePoint> points, std::span<const BatchJob> jobs, const BatchOptions& options,
                        const BatchSink& sink) {
-  BatchSummary summary;
-  const std::vector<std::size_t> todo = select(points, jobs, options, summary);
+  const std::vector<std::size_t> todo = select(points, jobs, options);
   const int wanted = options.threads > 0 ? options.threads : omp_get_num_procs();
   const int threads = std::max(1, std::min(wanted, static_cast<int>(std::min<std::size_t>(todo.size(), 4096))));
   const std::size_t elsewhere = options.remote != nullptr ? options.remote->capacity() : 0;
@@ -224,20 +209,15 @@ BatchSummary run_batch(std::span<const SuitePoint> points, std::span<const Batch
     }
     try {
       while (const std::optional<std::size_t> position = delivery.take()) {
-        const std::size_t i = todo[*position];
-        delivery.put(*position, compute_job(points[jobs[i].point], jobs[i], i, options));
+        const BatchJob& job = delivery.job(*position);
+        delivery.put(*position, compute_job(points[job.point], job, options));
       }
     } catch (...) {
       delivery.fail(std::current_exception());
     }
   }
   delivery.rethrow();
-  summary.delivered = delivery.delivered();
-  summary.successes = delivery.successes();
-  summary.errors = delivery.errors();
-  summary.stopped = summary.delivered < todo.size();
-  summary.seconds = delivery.seconds();
-  return summary;
+  return {delivery.delivered(), delivery.delivered() < todo.size(), delivery.seconds()};
 }
 
 std::vector<BatchJob> make_jobs(std::span<const SuitePoint> points, std::uint64_t first, std::uint64_t count) {
@@ -262,7 +242,5 @@ std::vector<BatchJob> make_jobs(std::span<const SuitePoint> points, std::uint64_
   }
   return jobs;
 }
-
-std::vector<BatchJob> make_jobs(const Suite& suite) { return make_jobs(suite.points, 0, suite.trials); }
 
 }  // namespace moma

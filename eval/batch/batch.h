@@ -24,16 +24,13 @@ struct BatchJob {
   std::shared_ptr<const Moves> moves = nullptr;  ///< of the world's random numbers; null: none
 };
 
-/// Returns every point in worlds 0 .. trials-1, world by world: all points meet world 0, then world 1, and so on. The
-/// results before an early stop are therefore still a fair comparison. A shard is any subset of these jobs, in any
-/// order.
-std::vector<BatchJob> make_jobs(const Suite& suite);
-/// Returns the same for the worlds first .. first + count - 1.
+/// Returns every point in the worlds first .. first + count - 1, world by world: all points meet the first world, then
+/// the next one, and so on. The results before an early stop are therefore still a fair comparison. A shard is any
+/// subset of these jobs, in any order.
 std::vector<BatchJob> make_jobs(std::span<const SuitePoint> points, std::uint64_t first, std::uint64_t count);
 
 /// The result of one job, as the sink gets it.
 struct BatchResult {
-  std::size_t job = 0;                 ///< position in the span of jobs
   std::shared_ptr<const World> world;  ///< null if the world could not be made (outcome `error` has the reason)
   TrialOutput output;
   std::vector<double> metrics;  ///< set by BatchOptions::finish: the suite's own metrics, NaN for a missing one
@@ -44,12 +41,11 @@ struct BatchOptions;
 
 /// Computes one job: makes the world, runs the trial, finishes it. A failure becomes the row's reason. Throws
 /// std::bad_alloc alone, since a machine without memory says nothing about the trial.
-BatchResult compute_job(const SuitePoint& point, const BatchJob& job, std::size_t position,
-                        const BatchOptions& options);
+BatchResult compute_job(const SuitePoint& point, const BatchJob& job, const BatchOptions& options);
 
-/// Receives the results in the order of the jobs, from one thread at a time (not always the same one). Returning false
-/// ends the batch: no later result is delivered, so that the end does not depend on the number of threads. An exception
-/// ends the batch as well and leaves run_batch().
+/// Receives the results in the order of the jobs (`job` is the one in run_batch()'s span), from one thread at a time
+/// (not always the same one). Returning false ends the batch: no later result is delivered, so that the end does not
+/// depend on the number of threads. An exception ends the batch as well and leaves run_batch().
 using BatchSink = std::function<bool(const BatchJob& job, BatchResult&& result)>;
 
 struct BatchProgress {
@@ -57,7 +53,6 @@ struct BatchProgress {
   std::size_t total = 0;  ///< jobs to compute, after skips
   std::size_t successes = 0;
   std::size_t errors = 0;  ///< trials that ended by an error
-  double seconds = 0.0;    ///< seconds since the start
   double rate = 0.0;       ///< trials per second since the start
 };
 
@@ -106,17 +101,14 @@ struct BatchOptions {
 
 struct BatchSummary {
   std::size_t delivered = 0;
-  std::size_t skipped = 0;     ///< number of keys in `skip`
-  std::size_t duplicates = 0;  ///< jobs with the key of an earlier job of this batch: computed once, delivered once
-  std::size_t successes = 0;
-  std::size_t errors = 0;
   bool stopped = false;  ///< ended before the last job, by `stop` or by the sink
   double seconds = 0.0;
 };
 
-/// Runs the jobs over OpenMP threads. All results but timings are the same for any number of threads. At most a few
-/// dozen finished results wait for an earlier one, so memory stays bounded. A trial that throws becomes a row with
-/// outcome `error`. Throws the sink's exceptions, std::bad_alloc, and std::invalid_argument for a job without a point.
+/// Runs the jobs over OpenMP threads, jobs with one key once. All results but timings are the same for any number of
+/// threads. At most a few dozen finished results wait for an earlier one, so memory stays bounded. A trial that throws
+/// becomes a row with outcome `error`. Throws the sink's exceptions, std::bad_alloc, and std::invalid_argument for a
+/// job without a point.
 BatchSummary run_batch(std::span<const SuitePoint> points, std::span<const BatchJob> jobs, const BatchOptions& options,
                        const BatchSink& sink);
 

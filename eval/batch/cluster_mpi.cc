@@ -386,7 +386,7 @@ void Cluster::work(std::span<const SuitePoint> points, const std::string& machin
       const Task task = std::move(tasks.front());
       tasks.pop_front();
       lock.unlock();
-      Bytes bytes = encode_result(task.place, compute_job(points[task.job.point], task.job, 0, options));
+      Bytes bytes = encode_result(task.place, compute_job(points[task.job.point], task.job, options));
       lock.lock();
       results.push_back(std::move(bytes));
     }

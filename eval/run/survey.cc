@@ -213,7 +213,7 @@ void WorldSurvey::run(const SuitePoint& point, const BatchJob& job) {
     start = processor_seconds();
     return world;
   };
-  const BatchResult result = compute_job(point, job, 0, options);
+  const BatchResult result = compute_job(point, job, options);
   if (result.world == nullptr || result.output.row.outcome == Outcome::kError) return;
   const auto found = tallies_.find({point.robot->model->name, result.world->family});
   if (found == tallies_.end()) return;

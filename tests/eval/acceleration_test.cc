@@ -48,7 +48,7 @@ trials: 5
 )";
   const Suite suite = load_suite(folder.write("suite.yaml", text));
   std::size_t beyond = 0, trials = 0;
-  run_batch(suite.points, make_jobs(suite), {}, [&](const BatchJob& job, BatchResult&& result) {
+  run_batch(suite.points, make_jobs(suite.points, 0, suite.trials), {}, [&](const BatchJob& job, BatchResult&& result) {
     const TrialRow& row = result.output.row;
     ++trials;
     EXPECT_NE(row.outcome, Outcome::kError) << row.reason;

@@ -82,7 +82,7 @@ class FakeRanks final : public RemoteCompute {
         continue;
       }
       const BatchJob& job = board.job(*place);
-      board.put(*place, compute_job(suite_.points[job.point], job, 0, options_));
+      board.put(*place, compute_job(suite_.points[job.point], job, options_));
     }
   }
   std::size_t taken = 0;
@@ -95,7 +95,7 @@ class FakeRanks final : public RemoteCompute {
 
 std::vector<TrialRow> rows_of(const Suite& suite, const BatchOptions& options) {
   std::vector<TrialRow> rows;
-  const std::vector<BatchJob> jobs = make_jobs(suite);
+  const std::vector<BatchJob> jobs = make_jobs(suite.points, 0, suite.trials);
   const BatchSummary summary = run_batch(suite.points, jobs, options, [&](const BatchJob& job, BatchResult&& result) {
     EXPECT_EQ(job.key, jobs[rows.size()].key) << "in the order of the jobs";
     rows.push_back(std::move(result.output.row));

@@ -33,10 +33,11 @@ std::vector<TrialOutput> run(const Suite& suite, int threads) {
   std::vector<TrialOutput> out;
   BatchOptions options;
   options.threads = threads;
-  run_batch(suite.points, make_jobs(suite), options, [&](const BatchJob&, BatchResult&& result) {
-    out.push_back(std::move(result.output));
-    return true;
-  });
+  run_batch(suite.points, make_jobs(suite.points, 0, suite.trials), options,
+            [&](const BatchJob&, BatchResult&& result) {
+              out.push_back(std::move(result.output));
+              return true;
+            });
   return out;
 }
 

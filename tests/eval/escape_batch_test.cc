@@ -21,7 +21,7 @@ struct Trials {
 void run(const Suite& suite, int threads, Trials& out, std::size_t first = 0, std::size_t most = 1000) {
   BatchOptions options;
   options.threads = threads;
-  std::vector<BatchJob> jobs = make_jobs(suite);
+  std::vector<BatchJob> jobs = make_jobs(suite.points, 0, suite.trials);
   jobs.erase(jobs.begin(), jobs.begin() + static_cast<std::ptrdiff_t>(first));
   std::size_t taken = 0;
   run_batch(suite.points, jobs, options, [&](const BatchJob&, BatchResult&& result) {

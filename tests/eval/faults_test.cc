@@ -46,10 +46,11 @@ trials: {1}
   std::vector<TrialOutput> out;
   BatchOptions options;
   options.threads = 1;
-  run_batch(suite.points, make_jobs(suite), options, [&](const BatchJob&, BatchResult&& result) {
-    out.push_back(std::move(result.output));
-    return true;
-  });
+  run_batch(suite.points, make_jobs(suite.points, 0, suite.trials), options,
+            [&](const BatchJob&, BatchResult&& result) {
+              out.push_back(std::move(result.output));
+              return true;
+            });
   return out;
 }
 

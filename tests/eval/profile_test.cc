@@ -30,7 +30,7 @@ TEST(Profile, EveryMomentBelongsToOnePart) {
   BatchOptions options;
   options.profile = true;
   const Clock::time_point before = Clock::now();
-  const BatchResult result = compute_job(suite.points[0], {0, 0, ""}, 0, options);
+  const BatchResult result = compute_job(suite.points[0], {0, 0, ""}, options);
   const std::int64_t outside = std::chrono::nanoseconds(Clock::now() - before).count();
   // The trial lies within the profile, the profile within the call: whatever the machine does meanwhile.
   EXPECT_GE(static_cast<double>(result.profile.nanoseconds()) + 1.0, 1e3 * result.output.row.timing.t_trial_us);
@@ -61,9 +61,9 @@ TEST(Profile, PartsBeginAsOftenAsThereIsWorkAndNoBitChanges) {
     const bool dynamic = mode[0] == 'd';
     for (const SuitePoint& point : suite.points) {
       BatchOptions options;
-      const BatchResult plain = compute_job(point, {0, 0, ""}, 0, options);
+      const BatchResult plain = compute_job(point, {0, 0, ""}, options);
       options.profile = true;
-      const BatchResult told = compute_job(point, {0, 0, ""}, 0, options);
+      const BatchResult told = compute_job(point, {0, 0, ""}, options);
       const std::string where = point.controller + " " + point.label + " " + mode;
       ASSERT_NE(told.output.row.outcome, Outcome::kError) << told.output.row.reason;
       EXPECT_EQ(all_bits(told.output), all_bits(plain.output)) << where;

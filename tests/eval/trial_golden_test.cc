@@ -56,7 +56,7 @@ success: {position: 0.4, orientation: 3}
 trials: 6
 )"));
   ordered_json rows = ordered_json::array();
-  run_batch(suite.points, make_jobs(suite), {}, [&](const BatchJob& job, BatchResult&& result) {
+  run_batch(suite.points, make_jobs(suite.points, 0, suite.trials), {}, [&](const BatchJob& job, BatchResult&& result) {
     rows.push_back(row_json(job, suite.points[job.point].controller, result.output.row));
     return true;
   });

@@ -9,6 +9,7 @@
 #include "eval/tune/search_record.h"
 #include "eval/tune/trial_objective.h"
 #include "eval/tune/tuning.h"
+#include "tests/eval/search_objectives.h"
 #include "tests/eval/suite_fixture.h"
 
 namespace moma::tune {
@@ -109,7 +110,7 @@ TEST(TuneRun, TrialsOfASweepAreReused) {
   const std::filesystem::path db = folder.root() / "shared.db";
   {
     store::Writer writer(db);
-    const std::vector<BatchJob> jobs = make_jobs(suite);
+    const std::vector<BatchJob> jobs = make_jobs(suite.points, 0, suite.trials);
     std::vector<store::Wanted> wanted;
     for (const BatchJob& job : jobs) wanted.push_back({job.point, job.world, job.key});
     writer.begin(store::describe(suite), {{"test"}, 1}, wanted);
