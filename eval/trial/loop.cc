@@ -16,23 +16,6 @@
 namespace moma {
 namespace {
 
-/// Fills `observation` with the true state at time t, the only way of information to a controller;
-/// world/sensing/sensing.h then disturbs it. Keeps sizes of `observation` that fit, so that only the first step
-/// allocates.
-void observe(const PlantState& truth, const std::vector<ObjectState>& objects, const GoalState& goal,
-             const std::optional<GoalState>& next, const std::optional<Upright>& upright,
-             const std::optional<Carried>& carried, double t, Observation& observation) {
-  observation.time = t;
-  observation.base = truth.base;
-  observation.q = truth.q;
-  observation.qdot = truth.qdot;
-  observation.goal = goal;
-  observation.next = next;
-  observation.upright = upright;
-  observation.carried = carried;
-  observation.objects = objects;
-}
-
 /// The rule for a goal: who passes through it does not dwell.
 DwellRule rule_of(const TrialSpec& spec, const WorldGoal& goal) {
   SuccessRule rule = spec.success;
@@ -173,8 +156,19 @@ void TrialLoop::goal_reached() {
   take_goal();
 }
 
+/// The only way of information to a controller; world/sensing/sensing.h then disturbs it. Keeps sizes of `out` that
+/// fit, so that only the first step allocates.
 void TrialLoop::truth(Observation& out) const {
-  observe(plant_.state(), objects_, goal_, next_, world_.upright, carried_, time(k_), out);
+  const PlantState& truth = plant_.state();
+  out.time = time(k_);
+  out.base = truth.base;
+  out.q = truth.q;
+  out.qdot = truth.qdot;
+  out.goal = goal_;
+  out.next = next_;
+  out.upright = world_.upright;
+  out.carried = carried_;
+  out.objects = objects_;
 }
 
 bool TrialLoop::sense() {
