@@ -25,6 +25,9 @@ struct Evaluation {
   /// Cost plus penalty for violated constraints. For a cut candidate: the best's cost plus the mean difference to it on
   /// the common worlds, plus the penalty. For an invalid candidate: the worst merit so far.
   double merit = 0.0;
+
+  /// False for measurements around what was found.
+  bool searching() const { return phase == Phase::kStart || phase == Phase::kGlobal || phase == Phase::kLocal; }
   bool operator==(const Evaluation&) const = default;
 };
 

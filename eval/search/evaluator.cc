@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "eval/search/random.h"
+#include "eval/search/search.h"
 #include "eval/stats/intervals.h"
 
 namespace moma::tune {
@@ -23,12 +25,13 @@ double scale_of(double bound) { return std::max(std::abs(bound), 0.01); }
 
 }  // namespace
 
-Evaluator::Evaluator(EvaluatorSettings settings, Objective& objective, EvaluationLog& log,
+Evaluator::Evaluator(const SearchSettings& settings, Objective& objective, EvaluationLog& log,
                      std::function<void(const Progress&)> progress)
-    : settings_(std::move(settings)), objective_(objective), log_(log), report_(std::move(progress)) {
-  if (settings_.search_worlds == 0 || settings_.search_worlds > settings_.worlds.size()) {
-    throw std::invalid_argument("a search needs at least one world, and all of its worlds listed");
-  }
+    : settings_(settings), worlds_(settings.worlds), objective_(objective), log_(log), report_(std::move(progress)) {
+  shuffle(worlds_, settings.seed, 0);
+  std::vector<std::uint64_t> further = settings.confirm_worlds;
+  shuffle(further, settings.seed, 1);
+  worlds_.insert(worlds_.end(), further.begin(), further.end());
   if (objective_.width() != 1 + settings_.constraints.size()) {
     throw std::invalid_argument("the objective must give one cost and one value per constraint");
   }
@@ -47,7 +50,7 @@ double Evaluator::above_start(std::size_t k, const std::vector<double>& values) 
   if (history_.empty()) return 0.0;  // the start itself
   const std::vector<double>& start = known_.at(history_.front().candidate).values;
   const std::size_t width = objective_.width();
-  const std::size_t worlds = std::min(values.size() / width, settings_.search_worlds);
+  const std::size_t worlds = std::min(values.size() / width, settings_.worlds.size());
   double sum = 0.0;
   for (std::size_t w = 0; w < worlds; ++w) sum += values[w * width + k + 1] - start[w * width + k + 1];
   return sum / static_cast<double>(worlds);
@@ -121,7 +124,7 @@ void Evaluator::take(Evaluation& evaluation, Known& known, std::size_t count, co
     values.assign(stored->measured.begin() + static_cast<std::ptrdiff_t>(from),
                   stored->measured.begin() + static_cast<std::ptrdiff_t>(to));
   } else {
-    values = objective_.measure(evaluation.candidate, std::span(settings_.worlds).subspan(have, count - have));
+    values = objective_.measure(evaluation.candidate, std::span(worlds_).subspan(have, count - have));
     if (values.size() != (count - have) * width) throw std::logic_error("objective gave a wrong number of values");
     for (const double value : values) {
       if (!std::isfinite(value)) throw std::runtime_error("the objective is not a finite number");
@@ -161,12 +164,11 @@ const Evaluation& Evaluator::conclude(Evaluation evaluation, Known& known, const
   if (evaluation.cut) estimate(evaluation);
   trials_ += evaluation.measured.size() / objective_.width();
   if (evaluation.cut) ++cuts_;
-  if (evaluation.cut && evaluation.valid) saved_ += settings_.search_worlds - evaluation.worlds;
+  if (evaluation.cut && evaluation.valid) saved_ += settings_.worlds.size() - evaluation.worlds;
   known.latest = history_.size();
   history_.push_back(std::move(evaluation));
   const Evaluation& done = history_.back();
-  const bool searching = done.phase == Phase::kStart || done.phase == Phase::kGlobal || done.phase == Phase::kLocal;
-  if (searching && !done.cut && (best_ < 0 || done.merit < history_[static_cast<std::size_t>(best_)].merit)) {
+  if (done.searching() && !done.cut && (best_ < 0 || done.merit < history_[static_cast<std::size_t>(best_)].merit)) {
     best_ = static_cast<long long>(known.latest);
   }
   if (stored == nullptr) log_.append(done);
@@ -193,7 +195,7 @@ const Evaluation& Evaluator::score(const Candidate& candidate, Phase phase, int 
   auto [evaluation, stored] = begin(candidate, phase, run, 0);
   Known known;
   const Racing& racing = settings_.racing;
-  const std::size_t full = settings_.search_worlds;
+  const std::size_t full = settings_.worlds.size();
   if (evaluation.cut && history_.empty()) throw std::invalid_argument("the start values contradict each other");
   for (std::size_t worlds = racing.enabled ? std::min(racing.first, full) : full; !evaluation.cut;
        worlds = std::min(worlds + std::max<std::size_t>(racing.block, 1), full)) {
@@ -206,7 +208,7 @@ const Evaluation& Evaluator::score(const Candidate& candidate, Phase phase, int 
 }
 
 const Evaluation& Evaluator::extend(const Candidate& candidate, std::size_t count, Phase phase) {
-  count = std::min(count, settings_.worlds.size());
+  count = std::min(count, worlds_.size());
   const auto found = known_.find(candidate);
   const std::size_t have = found == known_.end() ? 0 : found->second.values.size() / objective_.width();
   if (found != known_.end()) {

@@ -36,14 +36,7 @@ constexpr void describe(auto& v, Of<Racing>) {
 }
 inline bool from_word(std::string_view word, Racing& racing) { return word == "none" && !(racing.enabled = false); }
 
-struct EvaluatorSettings {
-  std::vector<Variable> variables;
-  std::vector<Constraint> constraints;
-  std::vector<std::uint64_t> worlds;  ///< shuffled; the first `search_worlds` make a full score
-  std::size_t search_worlds = 0;
-  std::uint64_t budget = 0;  ///< largest number of world measurements of the whole search
-  Racing racing;
-};
+struct SearchSettings;  // eval/search/search.h
 
 /// The state of the search, for display.
 struct Progress {
@@ -57,11 +50,13 @@ struct Progress {
   const Evaluation* best = nullptr;  ///< best fully measured candidate, null before the first
 };
 
-/// Measures candidates, with memory, racing, budget and log. All results are functions of the settings and the sequence
-/// of calls, never of time, threads or the log's contents.
+/// Measures candidates, with memory, racing, budget and log, in shuffled worlds: those of the search, which make a full
+/// score, then those of the confirmation. All results are functions of the settings and the sequence of calls, never of
+/// time, threads or the log's contents.
 class Evaluator {
  public:
-  Evaluator(EvaluatorSettings settings, Objective& objective, EvaluationLog& log,
+  /// The arguments must outlive this object. Throws std::invalid_argument for an objective of another width.
+  Evaluator(const SearchSettings& settings, Objective& objective, EvaluationLog& log,
             std::function<void(const Progress&)> progress = {});
 
   /// Returns a full or cut score on the search's worlds. A known candidate is answered from memory and logs nothing.
@@ -75,7 +70,7 @@ class Evaluator {
   std::uint64_t trials_saved() const { return saved_; }
   const Evaluation* best() const { return best_ < 0 ? nullptr : &history_[static_cast<std::size_t>(best_)]; }
   const std::deque<Evaluation>& history() const { return history_; }
-  const EvaluatorSettings& settings() const { return settings_; }
+  const SearchSettings& settings() const { return settings_; }
   /// Cost per world of a candidate, in the order of the worlds.
   std::vector<double> costs(const Candidate& candidate) const;
   /// Merit per violation: the size of the start's cost, at least 1.
@@ -105,7 +100,8 @@ class Evaluator {
   std::optional<Evaluation> logged(const Evaluation& begun);
   void take(Evaluation& evaluation, Known& known, std::size_t count, const std::optional<Evaluation>& stored);
 
-  EvaluatorSettings settings_;
+  const SearchSettings& settings_;
+  std::vector<std::uint64_t> worlds_;  // in the order of measurement
   Objective& objective_;
   EvaluationLog& log_;
   std::function<void(const Progress&)> report_;

@@ -57,10 +57,8 @@ std::uint64_t fit_confirmation(const SearchSettings& settings, Confirmation& fit
 std::vector<Evaluation> best_of(const std::vector<Variable>& variables, const std::deque<Evaluation>& history,
                                 std::size_t count, double apart) {
   std::vector<const Evaluation*> full;
-  for (const Evaluation& e : history) {
-    const bool searching = e.phase == Phase::kStart || e.phase == Phase::kGlobal || e.phase == Phase::kLocal;
-    if (searching && !e.cut) full.push_back(&e);
-  }
+  for (const Evaluation& e : history)
+    if (e.searching() && !e.cut) full.push_back(&e);
   std::ranges::stable_sort(full, [](const Evaluation* a, const Evaluation* b) { return a->merit < b->merit; });
   std::vector<Evaluation> result;
   for (const Evaluation* e : full) {
@@ -276,30 +274,12 @@ std::vector<const AlgorithmInfo*> default_plan() {
   return {&find_algorithm("GN_CRS2_LM"), &find_algorithm("LN_BOBYQA")};
 }
 
-bool SearchResult::operator==(const SearchResult& o) const {
-  return start == o.start && found == o.found && finalists == o.finalists && runs == o.runs && history == o.history &&
-         sensitivity == o.sensitivity && trials == o.trials && trials_saved == o.trials_saved &&
-         evaluations_cut == o.evaluations_cut && penalty == o.penalty && notes == o.notes;
-}
-
 SearchResult search(const SearchSettings& settings, Objective& objective, EvaluationLog& log,
                     const std::function<void(const Progress&)>& progress) {
   check(settings);
-  EvaluatorSettings evaluation;
-  evaluation.variables = settings.variables;
-  evaluation.constraints = settings.constraints;
-  evaluation.search_worlds = settings.worlds.size();
-  evaluation.budget = settings.budget;
-  evaluation.racing = settings.racing;
-  evaluation.worlds = settings.worlds;
-  shuffle(evaluation.worlds, settings.seed, 0);
-  std::vector<std::uint64_t> further = settings.confirm_worlds;
-  shuffle(further, settings.seed, 1);
-  evaluation.worlds.insert(evaluation.worlds.end(), further.begin(), further.end());
-
   Confirmation fitted;
   const std::uint64_t reserved = fit_confirmation(settings, fitted);
-  Evaluator evaluator(std::move(evaluation), objective, log, progress);
+  Evaluator evaluator(settings, objective, log, progress);
   SearchResult result;
   Searcher(settings, evaluator, result).run(settings.budget - reserved);
   result.finalists = confirm(settings, fitted, evaluator);

@@ -41,19 +41,23 @@ inline bool from_word(std::string_view word, Confirmation& confirmation) {
   return true;
 }
 
-struct SearchSettings {
+/// What a suite chooses of a search.
+struct SearchChoices {
   std::vector<Variable> variables;
-  std::vector<Constraint> constraints;
-  std::vector<std::uint64_t> worlds;          ///< worlds of the search
-  std::vector<std::uint64_t> confirm_worlds;  ///< other worlds, for the best few
-  std::uint64_t budget = 0;                   ///< measurements (trials) of search and confirmation together
-  std::vector<const AlgorithmInfo*> plan;     ///< one after the other; a global one that is not the last gets half
-                                              ///< of what is left of the budget; empty: default_plan()
-  int starts = 1;                             ///< independent searches that share the budget; the first from `start`
+  std::uint64_t budget = 0;                ///< measurements (trials) of search and confirmation together
+  std::vector<const AlgorithmInfo*> plan;  ///< one after the other; a global one that is not the last gets half
+                                           ///< of what is left of the budget; empty: default_plan()
+  int starts = 1;                          ///< independent searches that share the budget; the first from `start`
   std::uint64_t seed = 1;
   Racing racing;
   Confirmation confirmation;
   SensitivitySettings sensitivity;
+};
+
+struct SearchSettings : SearchChoices {
+  std::vector<Constraint> constraints;
+  std::vector<std::uint64_t> worlds;          ///< worlds of the search
+  std::vector<std::uint64_t> confirm_worlds;  ///< other worlds, for the best few
 };
 
 /// GN_CRS2_LM for half of the budget, then LN_BOBYQA from the best: the best of the plans tried on noisy test
@@ -92,8 +96,6 @@ struct SearchResult {
   std::uint64_t evaluations_cut = 0;
   double penalty = 0.0;
   std::vector<std::string> notes;  ///< constraints by penalty, gains at a bound, confirmation left out, ...
-  /// Compares all members but `importance`, which may hold NaN and follows from the others.
-  bool operator==(const SearchResult& other) const;
 };
 
 /// Runs the whole search: start, plan, confirmation. Deterministic: the same settings and objective give the same bits

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "eval/search/search.h"
+
 namespace moma::tune {
 namespace {
 
@@ -68,7 +70,7 @@ Sensitivity sensitivity(const SensitivitySettings& settings, const Candidate& fo
   Sensitivity result;
   if (!settings.enabled) return result;
   const std::vector<Variable>& variables = evaluator.settings().variables;
-  const std::size_t worlds = evaluator.settings().search_worlds;
+  const std::size_t worlds = evaluator.settings().worlds.size();
   const std::vector<double> base = evaluator.costs(found);
   const auto differences = [&](const Candidate& candidate, bool& valid) {
     valid = evaluator.extend(candidate, worlds, Phase::kSensitivity).valid;
@@ -124,7 +126,7 @@ std::vector<double> importance(const std::vector<Variable>& variables, const std
   for (const Evaluation& e : history) {
     if (!e.valid) continue;
     if (e.phase == Phase::kGlobal) global.push_back(&e);
-    if (e.phase == Phase::kStart || e.phase == Phase::kGlobal || e.phase == Phase::kLocal) searched.push_back(&e);
+    if (e.searching()) searched.push_back(&e);
   }
   const std::size_t coefficients = 1 + 2 * variables.size();
   const std::vector<const Evaluation*>& used = global.size() >= 3 * coefficients ? global : searched;

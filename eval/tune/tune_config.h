@@ -22,26 +22,19 @@ struct WorldRange {
   std::uint64_t end() const { return first + count; }
 };
 
-/// The `tune` section of a suite, read and checked by itself.
-struct TuneConfig {
+/// The `tune` section of a suite, read and checked by itself. Variables of which the file has no start have NaN: the
+/// controller's own value.
+struct TuneConfig : SearchChoices {
   std::string controller;           ///< name of the tuned controller
-  std::vector<Variable> variables;  ///< `start` is NaN if the file has none: the controller's own value
   std::vector<config::Mark> marks;  ///< place of each variable
   TrialCost cost;
   std::vector<MetricBound> bounds;
-  std::vector<const AlgorithmInfo*> plan;      ///< empty: the default plan
   std::vector<Overrides> mixture;              ///< one assignment of suite keys per part; one empty one by default
   WorldRange worlds;                           ///< worlds of the search
   WorldRange confirm;                          ///< worlds for the best few
   WorldRange held_out;                         ///< worlds for the verdict
   std::optional<std::uint64_t> held_out_seed;  ///< their own worlds.seed
-  std::uint64_t budget = 0;
-  std::uint64_t seed = 1;
-  int starts = 1;
-  Racing racing;
-  Confirmation confirmation;
-  SensitivitySettings sensitivity;
-  fs::path output;  ///< empty: chosen by the command
+  fs::path output;                             ///< empty: chosen by the command
   config::Mark mark;
   config::Mark held_out_mark;
   Json written;  ///< the section as written in the file

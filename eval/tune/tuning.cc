@@ -270,8 +270,7 @@ Tuning stored_tuning(const Json& identity, const Json& held_out, const std::map<
 
 SearchSettings search_settings(const Tuning& tuning) {
   const TuneConfig& c = tuning.config;
-  SearchSettings s;
-  s.variables = c.variables;
+  SearchSettings s{c, {}, {}, {}};
   for (const MetricBound& bound : c.bounds) s.constraints.push_back(constraint_of(bound));
   const std::uint64_t parts = c.mixture.size();
   const auto numbers = [&](const WorldRange& range) {
@@ -281,14 +280,7 @@ SearchSettings search_settings(const Tuning& tuning) {
   };
   s.worlds = numbers(c.worlds);
   s.confirm_worlds = numbers(c.confirm);
-  s.budget = c.budget;
-  s.plan = c.plan;
-  s.starts = c.starts;
-  s.seed = c.seed;
-  s.racing = c.racing;
-  s.confirmation = c.confirmation;
   s.confirmation.worlds *= parts;
-  s.sensitivity = c.sensitivity;
   return s;
 }
 

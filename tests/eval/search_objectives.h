@@ -13,6 +13,19 @@
 #include "eval/search/evaluation.h"
 #include "eval/search/objective.h"
 #include "eval/search/random.h"
+#include "eval/search/search.h"
+
+namespace moma::tune {
+
+/// All members but `importance`, which may hold NaN and follows from the others.
+inline bool operator==(const SearchResult& a, const SearchResult& b) {
+  return a.start == b.start && a.found == b.found && a.finalists == b.finalists && a.runs == b.runs &&
+         a.history == b.history && a.sensitivity == b.sensitivity && a.trials == b.trials &&
+         a.trials_saved == b.trials_saved && a.evaluations_cut == b.evaluations_cut && a.penalty == b.penalty &&
+         a.notes == b.notes;
+}
+
+}  // namespace moma::tune
 
 namespace moma::tune::testing {
 

@@ -188,11 +188,10 @@ TEST(TuneSensitivity, SeesCurvatureAndInteraction) {
     return std::vector<double>{10 * x * x + 5 * y * y + 4 * x * y + static_cast<double>(world % 5)};
   });
   testing::MemoryLog log;
-  EvaluatorSettings settings;
+  SearchSettings settings;
   settings.variables = {
       {"x", 0, 1, Scale::kLinear, 0.5}, {"y", 0, 1, Scale::kLinear, 0.5}, {"z", 0, 1, Scale::kLinear, 1.0}};
   for (std::uint64_t w = 0; w < 20; ++w) settings.worlds.push_back(w);
-  settings.search_worlds = 20;
   settings.budget = 1000;
   Evaluator evaluator(settings, objective, log);
   const Candidate found{0.5, 0.5, 1.0};
