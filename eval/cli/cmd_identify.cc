@@ -15,8 +15,9 @@ struct IdentifyOptions {
 };
 
 int identify_robot(const IdentifyOptions& options) {
-  const OutputFile disturbances(options.disturbances, "file of what was identified", options.replace);
-  const OutputFile controller(options.controller, "file of what was identified", options.replace);
+  const files::Kind kind{"file of what was identified", ""};
+  const OutputFile disturbances(options.disturbances, kind, options.replace);
+  const OutputFile controller(options.controller, kind, options.replace);
   const identify::Found found = identify::identify(identify::read_log(options.log));
   std::cout << identify::summary(found) << std::flush;
   const std::string source = fs::path(options.log).filename().string();

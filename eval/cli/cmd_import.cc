@@ -23,18 +23,12 @@ struct ImportOptions {
 };
 
 int import(const ImportOptions& options) {
-  static const files::Kind kKind{"file of worlds", "\"difficulty\""};
-  if (!options.output.empty()) files::check_replace(options.output, kKind, options.replace);
+  const OutputFile output(options.output, {"file of worlds", "\"difficulty\""}, options.replace);
   const ForeignWorlds found = read_foreign(config::load_robot(options.robot).model, options.files);
-  const auto print = [&](std::ostream& out) {
-    for (const World& world : found.worlds) out << to_json(world).dump() << '\n';
-  };
-  if (options.output.empty()) {
-    print(std::cout);
-    std::cout << std::flush;
-  } else {
-    files::write_file(options.output, kKind, options.replace, print);
-  }
+  std::string worlds;
+  for (const World& world : found.worlds) worlds += to_json(world).dump() + '\n';
+  output.write(worlds);
+  if (!output.wanted()) std::cout << worlds << std::flush;
   std::map<std::string, int> families;
   for (const World& world : found.worlds) ++families[world.family];
   std::string counts;

@@ -23,24 +23,19 @@ namespace {
 
 void print_row(const store::StoredTrial& trial, const TrialRow& row) {
   std::cout << terminal_safe(fmt::format("trial {}: suite {}, controller {}{}, world {}", trial.key.substr(0, 16),
-                                         trial.suite, trial.controller, trial.point.empty() ? "" : " at " + trial.point,
+                                         trial.suite, trial.controller, trial.label.empty() ? "" : " at " + trial.label,
                                          trial.world_index))
             << "\n\n";
   store::QueryResult table{{"metric", "value"}, {{std::string("outcome"), std::string(to_string(row.outcome))}}};
   for (const store::TrialColumn& column : store::trial_columns()) {
-    struct Visitor {
-      const TrialRow& row;
-      store::Cell operator()(double TrialRow::*member) const {
-        return std::isfinite(row.*member) ? store::Cell{row.*member} : store::Cell{};
-      }
-      store::Cell operator()(int TrialRow::*member) const { return std::int64_t{row.*member}; }
-      store::Cell operator()(std::string TrialRow::*member) const {
-        return (row.*member).empty() ? store::Cell{} : store::Cell{row.*member};
-      }
-    };
-    store::Cell cell = std::visit(Visitor{row}, column.member);
-    if (!std::holds_alternative<std::monostate>(cell))
-      table.rows.push_back({std::string(column.name), std::move(cell)});
+    const std::string name(column.name);
+    if (const auto* number = std::get_if<double TrialRow::*>(&column.member)) {
+      if (std::isfinite(row.**number)) table.rows.push_back({name, row.**number});
+    } else if (const auto* count = std::get_if<int TrialRow::*>(&column.member)) {
+      table.rows.push_back({name, std::int64_t{row.**count}});
+    } else if (const std::string& text = row.*std::get<std::string TrialRow::*>(column.member); !text.empty()) {
+      table.rows.push_back({name, text});
+    }
   }
   write(std::cout, table, Format::kTable);
 }
@@ -74,8 +69,8 @@ struct ReplayOptions {
 };
 
 int replay(const ReplayOptions& options) {
-  const OutputFile case_file(options.case_file, "case", options.replace);
-  const OutputFile log_file(options.log_file, "log", options.replace);
+  const OutputFile case_file(options.case_file, {"case", ""}, options.replace);
+  const OutputFile log_file(options.log_file, {"log", ""}, options.replace);
   const std::string name = run::named_trial(options.file, options.trial);
   run::StoredSuites suites(options.plugins);
   if (case_file.wanted()) {

@@ -104,10 +104,7 @@ int reproduce(const ReproduceOptions& options) {
   const Computation computation(request, options.quiet);
   const run::Evaluation done = run::evaluate(request, suite, computation.listener());
   print_warnings(done.warnings);
-  if (done.end != run::End::kFinished) {
-    std::cerr << terminal_safe(done.stopped) << std::endl;
-    return done.end == run::End::kSameError ? kCheckFailed : kStoppedEarly;
-  }
+  if (const int code = tell_end(done); code != kOk) return code;
   print_reproduction(run::compare_with_published(done.file, done.suite, suite, experiment), experiment, options.format);
   std::cout.flush();
   return kOk;
@@ -118,7 +115,6 @@ int reproduce(const ReproduceOptions& options) {
 void add_reproduce(Commands& commands) {
   auto [command, options] = commands.add<ReproduceOptions>(
       "reproduce", "Repeat a published experiment, the published figures beside ours", &reproduce);
-  options.request.arguments = commands.arguments();
   command.add_option("EXPERIMENT", options.experiment, "mmc, neo or holistic (an entry of configs/published.yaml)")
       ->required();
   options.suite.add_changes_to(command);

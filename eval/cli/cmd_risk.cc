@@ -108,7 +108,7 @@ int lead(const RiskOptions& options) {
   Computation computation(request, options.quiet);
   const run::Risk risk = run::estimate_risk(request, suite, event, computation.listener());
   computation.line().clear();
-  if (risk.end != run::End::kFinished) return stopped_early(risk.stopped);
+  if (const int code = tell_end(risk); code != kOk) return code;
   bool refused = false;
   for (const run::RiskRow& row : risk.rows) {
     refused = refused || row.refused();
@@ -150,7 +150,7 @@ store::QueryResult table(const Suite& suite, const run::Broken& broken) {
 }
 
 int lead(const BreakOptions& options) {
-  const OutputFile file(options.worlds, "file of worlds", options.replace);
+  const OutputFile file(options.worlds, {"file of worlds", ""}, options.replace);
   const Suite suite = options.suite.load();
   const run::RareEvent event = rare_event(options.event, "break");
   if (!options.quiet) print_warnings(suite.warnings);
@@ -168,7 +168,7 @@ int lead(const BreakOptions& options) {
       std::cerr << fmt::format("to run them: the suite with --trials {} --set 'worlds={{frozen: {}}}'\n",
                                broken.failures.size(), terminal_safe(options.worlds));
   }
-  return broken.end == run::End::kFinished ? kOk : stopped_early(broken.stopped);
+  return tell_end(broken);
 }
 
 int break_suite(BreakOptions& options) {
@@ -181,7 +181,6 @@ void add_risk(Commands& commands) {
   auto [command, options] = commands.add<RiskOptions>(
       "risk", "Estimate how probable a rare event is over a suite's worlds and disturbances, by splitting",
       &risk_of_suite);
-  options.request.arguments = commands.arguments();
   options.suite.add_to(command);
   add_rare_event(command, options.event);
   add_splitting(command, options.request.splitting);
@@ -213,7 +212,6 @@ void add_risk(Commands& commands) {
 void add_break(Commands& commands) {
   auto [command, options] = commands.add<BreakOptions>(
       "break", "Find failures of a suite's controllers, the likeliest first, as frozen worlds", &break_suite);
-  options.request.arguments = commands.arguments();
   options.suite.add_to(command);
   command.add_option("--worlds", options.worlds, "Write the worlds found there, for `worlds: {frozen: FILE}`");
   add_rare_event(command, options.event);

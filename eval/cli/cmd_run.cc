@@ -81,14 +81,13 @@ int lead(const RunOptions& options) {
   if (request.file.empty() && !options.rerun.empty() && request.shard.count == 1) request.file = options.suite.file;
   const Computation computation(request, options.quiet);
   const run::Evaluation done = run::evaluate(request, suite, computation.listener());
-  if (!done.stopped.empty()) std::cerr << terminal_safe_lines(done.stopped) << std::endl;
-  if (done.end == run::End::kNeverBegan) return kStoppedEarly;
+  const int code = tell_end(done);
+  if (done.end == run::End::kNeverBegan) return code;
   write(std::cout, summary_table(done.file, done.suite, true), Format::kTable);
   std::cout.flush();
   if (request.profile) print_profile(done.profile);
   print_warnings(done.warnings);
-  if (done.end == run::End::kSameError) return kCheckFailed;
-  return done.end == run::End::kFinished ? kOk : kStoppedEarly;
+  return code;
 }
 
 int run_suite(RunOptions& options) {
@@ -100,7 +99,6 @@ int run_suite(RunOptions& options) {
 void add_run(Commands& commands) {
   auto [command, options] =
       commands.add<RunOptions>("run", "Evaluate a suite: every controller and sweep point in every world", &run_suite);
-  options.request.arguments = commands.arguments();
   options.suite.add_to(command);
   add_output_store(command, options.request.file);
   add_threads(command, options.request.threads);

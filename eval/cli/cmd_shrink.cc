@@ -22,7 +22,7 @@ struct ShrinkOptions {
 };
 
 int shrink(const ShrinkOptions& options) {
-  const OutputFile file(options.out, "file of worlds", options.replace);
+  const OutputFile file(options.out, {"file of worlds", ""}, options.replace);
   run::ShrinkRequest request = options.request;
   request.trial = run::named_trial(request.file, request.trial);
   const Computation computation(request, options.quiet);

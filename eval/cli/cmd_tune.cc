@@ -102,7 +102,7 @@ int tune_suite(const TuneOptions& options) {
   listener.judged = [](const tune::HeldOutVerdict& verdict) { print(verdict); };
   listener.searched = [&](const tune::SearchResult& result) { print(tuning, result); };
   const run::Tuned tuned = run::tune(request, tuning, listener);
-  if (tuned.end != run::End::kFinished) return stopped_early(tuned.stopped);
+  if (const int code = tell_end(tuned); code != kOk) return code;
   if (tuned.gains.empty()) {
     std::cout << "the search found nothing better than the gains that it began with: no gains are written\n";
     return kOk;
@@ -118,7 +118,6 @@ int tune_suite(const TuneOptions& options) {
 void add_tune(Commands& commands) {
   auto [command, options] = commands.add<TuneOptions>(
       "tune", "Search the gains of a suite's controller with NLopt, and judge them on other worlds", &tune_suite);
-  options.request.arguments = commands.arguments();
   options.suite.add_to(command);
   add_output_store(command, options.request.file);
   command.add_option("--gains", options.request.gains,

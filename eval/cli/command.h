@@ -35,10 +35,12 @@ class Commands {
     Options& options;
   };
 
-  /// Adds a command. `run` gets the parsed options and returns the exit code.
+  /// Adds a command. `run` gets the parsed options, whose `request` (run::Request) knows the command line, and returns
+  /// the exit code.
   template <class Options>
   Added<Options> add(const char* name, const char* text, std::function<int(Options&)> run) {
     auto options = std::make_shared<Options>();
+    if constexpr (requires { options->request.arguments; }) options->request.arguments = arguments_;
     CLI::App* const command = app_.add_subcommand(name, text);
     runs_[command] = [options, run] { return run(*options); };
     return {*command, *options};
@@ -47,7 +49,6 @@ class Commands {
   /// Runs a parsed command. Returns the exit code.
   int run(const CLI::App& command) const { return runs_.at(&command)(); }
   const CLI::App& app() const { return app_; }
-  const Arguments& arguments() const { return arguments_; }
 
  private:
   CLI::App& app_;

@@ -125,9 +125,10 @@ int with_ranks(const char* command, run::Request& request, double lost_after, bo
   return kOk;
 }
 
-int stopped_early(const std::string& text) {
-  std::cerr << terminal_safe_lines(text) << std::endl;
-  return kStoppedEarly;
+int tell_end(const run::Ended& ended) {
+  if (!ended.stopped.empty()) std::cerr << terminal_safe_lines(ended.stopped) << std::endl;
+  if (ended.end == run::End::kFinished) return kOk;
+  return ended.end == run::End::kSameError ? kCheckFailed : kStoppedEarly;
 }
 
 }  // namespace moma::cli

@@ -73,8 +73,8 @@ void add_lost_after(CLI::App& command, double& seconds);
 int with_ranks(const char* command, run::Request& request, double lost_after, bool profile,
                const std::function<int()>& lead);
 
-/// Prints the saved part of a run that ended early, and the command that continues it, on stderr. Returns the exit
+/// Prints the saved part of a run that did not finish, and the command that continues it, on stderr. Returns the exit
 /// code.
-int stopped_early(const std::string& text);
+int tell_end(const run::Ended& ended);
 
 }  // namespace moma::cli

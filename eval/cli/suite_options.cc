@@ -66,8 +66,8 @@ void add_force(CLI::App& command, files::Replace& replace) {
       "Replace a file that is there, also one that moma did not write; never a store");
 }
 
-OutputFile::OutputFile(fs::path file, std::string kind, files::Replace replace)
-    : file_(std::move(file)), kind_{std::move(kind), ""}, replace_(replace) {
+OutputFile::OutputFile(fs::path file, files::Kind kind, files::Replace replace)
+    : file_(std::move(file)), kind_(std::move(kind)), replace_(replace) {
   if (wanted()) files::check_replace(file_, kind_, replace_);
 }
 

@@ -54,11 +54,11 @@ void add_store(CLI::App& command, Stores& stores, const char* text = "Store") {
 /// Adds TRIAL, a trial of a store.
 void add_trial(CLI::App& command, std::string& trial);
 
-/// A text file that a command writes where one is named. People edit such files, so that none is known for moma's own.
+/// A text file that a command writes where one is named.
 class OutputFile {
  public:
-  /// Throws files::OutputError if the file may not be written. `kind`: in words.
-  OutputFile(fs::path file, std::string kind, files::Replace replace);
+  /// Throws files::OutputError if the file may not be written.
+  OutputFile(fs::path file, files::Kind kind, files::Replace replace);
   /// False if no file was named.
   bool wanted() const { return !file_.empty(); }
   /// Writes the file if it is wanted. Throws files::OutputError.

@@ -34,14 +34,12 @@ std::string plain_number(double value) {
   return fmt::format("{:.6g}", value);
 }
 
-std::string display(const Cell& cell) {
-  struct Visitor {
-    std::string operator()(std::monostate) const { return ""; }
-    std::string operator()(std::int64_t value) const { return std::to_string(value); }
-    std::string operator()(double value) const { return plain_number(value); }
-    std::string operator()(const std::string& value) const { return terminal_safe(value); }
-  };
-  return std::visit(Visitor{}, cell);
+/// A cell in words; nothing for NULL.
+std::string text_of(const Cell& cell, std::string (*number)(double), std::string (*text)(std::string_view)) {
+  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return std::to_string(*integer);
+  if (const auto* real = std::get_if<double>(&cell)) return number(*real);
+  if (const auto* words = std::get_if<std::string>(&cell)) return text(*words);
+  return "";
 }
 
 bool is_number(const Cell& cell) {
@@ -70,7 +68,7 @@ Grid make_grid(const QueryResult& result) {
   for (const std::vector<Cell>& row : result.rows) {
     std::vector<std::string>& texts = grid.rows.emplace_back();
     for (std::size_t c = 0; c < columns; ++c) {
-      texts.push_back(display(row[c]));
+      texts.push_back(text_of(row[c], &plain_number, &terminal_safe));
       grid.width[c] = std::max(grid.width[c], display_width(texts.back()));
       if (!is_number(row[c]) && !std::holds_alternative<std::monostate>(row[c])) grid.right[c] = false;
     }
@@ -160,8 +158,8 @@ void write_latex(std::ostream& out, const QueryResult& result) {
   out << "\\bottomrule\n\\end{tabular}\n";
 }
 
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return std::string(text);
   std::string quoted = "\"";
   for (const char c : text) {
     if (c == '"') quoted += '"';
@@ -171,16 +169,11 @@ std::string csv_field(const std::string& text) {
 }
 
 void write_csv(std::ostream& out, const QueryResult& result) {
-  struct Visitor {
-    std::string operator()(std::monostate) const { return ""; }
-    std::string operator()(std::int64_t value) const { return std::to_string(value); }
-    std::string operator()(double value) const { return fmt::format("{}", value); }
-    std::string operator()(const std::string& value) const { return csv_field(value); }
-  };
+  const auto number = [](double value) { return fmt::format("{}", value); };
   for (std::size_t c = 0; c < result.columns.size(); ++c) out << (c > 0 ? "," : "") << csv_field(result.columns[c]);
   out << '\n';
   for (const auto& row : result.rows) {
-    for (std::size_t c = 0; c < row.size(); ++c) out << (c > 0 ? "," : "") << std::visit(Visitor{}, row[c]);
+    for (std::size_t c = 0; c < row.size(); ++c) out << (c > 0 ? "," : "") << text_of(row[c], number, &csv_field);
     out << '\n';
   }
 }

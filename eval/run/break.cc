@@ -105,16 +105,14 @@ Broken break_suite(const BreakRequest& request, const Suite& suite, const RareEv
         Breaker{request, suite, event, listener, trials, out, point, family}.search();
     out.trials = trials.counts().computed + trials.counts().reused;
   };
-  out.end = with_moved_trials(request, suite, event.level(), listener, work, out.stopped);
+  static_cast<Ended&>(out) = with_moved_trials(request, suite, event.level(), listener, work);
   const bool one_robot = std::ranges::all_of(
       suite.points, [&](const SuitePoint& point) { return point.robot == suite.points.front().robot; });
   if (out.end != End::kFinished || out.failures.empty() || request.file.empty() || !one_robot) return out;
   EvaluateRequest held;
   static_cast<Request&>(held) = request;
   held.cluster = nullptr;  // the ranks hold the suite with other worlds
-  Evaluation evaluation = evaluate(held, found_suite(suite, out.failures), listener);
-  out.end = evaluation.end;
-  out.stopped = std::move(evaluation.stopped);
+  static_cast<Ended&>(out) = evaluate(held, found_suite(suite, out.failures), listener);
   return out;
 }
 

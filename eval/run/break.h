@@ -30,9 +30,7 @@ struct Failure {
   std::size_t times = 1;  ///< number of trials with this failure
 };
 
-struct Broken {
-  End end = End::kFinished;
-  std::string stopped;
+struct Broken : Ended {
   std::vector<Failure> failures;  ///< by point and family; the likeliest first
   std::size_t trials = 0;
 };

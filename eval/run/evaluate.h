@@ -23,11 +23,9 @@ struct EvaluateRequest : Request {
   bool keep_going = false;  ///< go on even if a point's first trials all end by the same error
 };
 
-struct Evaluation {
-  End end = End::kFinished;
+struct Evaluation : Ended {
   fs::path file;
   std::string suite;                  ///< the suite's name in the store's views
-  std::string stopped;                ///< if not finished: the saved work and the command to go on, or the error
   std::vector<std::string> warnings;  ///< contradictions between rows and physics
   Profile profile;                    ///< of the computed trials, the store's work included; if requested
 };

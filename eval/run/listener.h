@@ -45,4 +45,10 @@ enum class End {
   kSameError,   ///< a point's first trials, or all of them, ended by one error: the request cannot work
 };
 
+/// How a run ended.
+struct Ended {
+  End end = End::kFinished;
+  std::string stopped = {};  ///< if not finished: the saved work and the command to go on, or the error
+};
+
 }  // namespace moma::run

@@ -10,34 +10,17 @@
 #include "eval/store/run_lock.h"
 #include "eval/trial/key.h"
 #include "world/draws.h"
-#include "world/world_json.h"
 
 namespace moma::run {
 namespace {
 
-/// The record of a moved world without content: moved worlds are too many to store, and can be drawn again.
-store::WorldRecord without_content(const Worlds& worlds, std::uint64_t index, const Moves& moves) {
-  store::WorldRecord record = store::describe_missing(worlds, index);
-  auto json = Json::parse(record.json);
-  json["moves"] = to_json(moves);
-  record.json = json.dump();
-  return record;
-}
-
-/// Trials of moved worlds in a store.
-class MovedSource : public TrialSource {
+/// Trials of moved worlds in a store, except errors.
+class MovedSource : public StoredTrials {
  public:
-  explicit MovedSource(store::Writer& writer) : writer_(writer) {}
-  std::optional<TrialRow> find(const std::string& key) override { return writer_.find(key); }
+  explicit MovedSource(store::Writer& writer) : StoredTrials(writer, Of::kSearch) {}
   void add(const SuitePoint& point, const BatchJob& job, const BatchResult& result) override {
-    if (result.output.row.outcome == Outcome::kError) return;
-    const store::WorldRecord record =
-        job.moves == nullptr ? store::describe(*result.world) : without_content(point.worlds, job.world, *job.moves);
-    writer_.add({store::kNoPoint, job.world, job.key}, record, result.output.row, nullptr);
+    if (result.output.row.outcome != Outcome::kError) StoredTrials::add(point, job, result);
   }
-
- private:
-  store::Writer& writer_;
 };
 
 }  // namespace
@@ -80,8 +63,8 @@ void MovedTrials::keep(const Json& estimates) {
   if (writer_ != nullptr) writer_->keep_risk(estimates.dump());
 }
 
-End with_moved_trials(const Request& request, const Suite& suite, std::string_view level, const Listener& listener,
-                      const std::function<void(MovedTrials&)>& work, std::string& stopped) {
+Ended with_moved_trials(const Request& request, const Suite& suite, std::string_view level, const Listener& listener,
+                        const std::function<void(MovedTrials&)>& work) {
   if (request.cluster != nullptr) {
     Json alone = suite.resolved;  // without what of a trial is not kept here
     alone["samples"] = "none";
@@ -93,10 +76,7 @@ End with_moved_trials(const Request& request, const Suite& suite, std::string_vi
   if (!request.file.empty()) {
     const bool lock_left = store::RunLock::there(request.file);
     lock.emplace(request.file, request.stop, listener.notice);
-    if (!lock->held()) {
-      stopped = "stopped while waiting; nothing was done";
-      return End::kNeverBegan;
-    }
+    if (!lock->held()) return {End::kNeverBegan, "stopped while waiting; nothing was done"};
     writer.emplace(request.file);
     if (lock->exclusive()) tell_killed(writer->close_killed(), lock_left, listener);
     store::SuiteRecord record = store::describe(suite);
@@ -109,14 +89,13 @@ End with_moved_trials(const Request& request, const Suite& suite, std::string_vi
     listener.note(
         fmt::format("{} trials computed, {} taken from the store", trials.counts().computed, trials.counts().reused));
     if (writer) writer->finish(store::RunStatus::kFinished);
-    return End::kFinished;
+    return {};
   } catch (const Interrupted& why) {
     listener.progress_end();
     if (*why.what() != '\0') listener.warning(why.what());
     if (writer) writer->finish(store::RunStatus::kStopped);
-    stopped = writer ? stopped_text("", "everything computed is", request.file, request.arguments)
-                     : "stopped; nothing is saved without --output";
-    return End::kStopped;
+    return {End::kStopped, writer ? stopped_text("", "everything computed is", request.file, request.arguments)
+                                  : "stopped; nothing is saved without --output"};
   } catch (...) {
     if (writer) writer->fail();
     throw;

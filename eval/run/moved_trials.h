@@ -61,9 +61,8 @@ class MovedTrials {
 };
 
 /// Calls `work` with the trials of a suite under the store's lock; without a file no trial is stored. `level`: the
-/// metric that `work` looks at. `stopped`: if not finished, the saved work and the command to go on. Throws
-/// store::StoreError and the exceptions of `work`.
-End with_moved_trials(const Request& request, const Suite& suite, std::string_view level, const Listener& listener,
-                      const std::function<void(MovedTrials&)>& work, std::string& stopped);
+/// metric that `work` looks at. Throws store::StoreError and the exceptions of `work`.
+Ended with_moved_trials(const Request& request, const Suite& suite, std::string_view level, const Listener& listener,
+                        const std::function<void(MovedTrials&)>& work);
 
 }  // namespace moma::run

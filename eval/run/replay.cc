@@ -20,39 +20,37 @@ namespace moma::run {
 
 using store::StoreError;
 
-const Suite& StoredSuites::suite_of(const store::StoredTrial& trial) {
-  const auto found = suites_.find(trial.resolved_suite);
+const Suite& StoredSuites::suite_of(const store::StoredPoint& point, const std::string& of) {
+  const auto found = suites_.find(point.resolved_suite);
   if (found != suites_.end()) return found->second;
-  Suite suite = suite_from_resolved(
-      config::parse_json(trial.resolved_suite, fmt::format("the suite of trial {}", trial.key.substr(0, 16))),
-      plugins_);
-  return suites_.emplace(trial.resolved_suite, std::move(suite)).first->second;
+  Suite suite = suite_from_resolved(config::parse_json(point.resolved_suite, "the suite of " + of), plugins_);
+  return suites_.emplace(point.resolved_suite, std::move(suite)).first->second;
 }
 
-const SuitePoint& StoredSuites::point_of(const store::StoredTrial& trial) {
-  if (trial.simulation_version != kSimulationVersion) {
+const SuitePoint& StoredSuites::point_of(const store::StoredPoint& point, const std::string& of) {
+  if (point.simulation_version != kSimulationVersion) {
     throw StoreError(StoreError::Kind::kNotFound,
-                     fmt::format("trial {} was simulated by version {} of the simulation, this program has version {}: "
-                                 "it would not give the same result",
-                                 trial.key.substr(0, 16), trial.simulation_version, kSimulationVersion));
+                     fmt::format("{} was simulated by version {} of the simulation, this program has version {}: it "
+                                 "would not give the same result",
+                                 of, point.simulation_version, kSimulationVersion));
   }
-  const Suite& suite = suite_of(trial);
-  if (trial.position >= suite.points.size()) {
+  const Suite& suite = suite_of(point, of);
+  if (point.position >= suite.points.size()) {
     throw StoreError(StoreError::Kind::kUnusable,
-                     fmt::format("trial {}: its suite has no point {}; the store is damaged", trial.key.substr(0, 16),
-                                 trial.position));
+                     fmt::format("{}: its suite has no point {}; the store is damaged", of, point.position));
   }
-  return suite.points[trial.position];
+  return suite.points[point.position];
 }
 
 World world_of(const store::StoredTrial& trial) {
-  const auto json = config::parse_json(trial.world, fmt::format("world of trial {}", trial.key.substr(0, 16)));
+  const std::string name = "world of " + trial_name(trial);
+  const auto json = config::parse_json(trial.world, name);
   if (json.contains("missing")) {
     throw StoreError(StoreError::Kind::kNotFound,
-                     fmt::format("trial {}: its world could not be made, so there is nothing to replay ({})",
-                                 trial.key.substr(0, 16), trial.row.reason));
+                     fmt::format("{}: its world could not be made, so there is nothing to replay ({})",
+                                 trial_name(trial), trial.row.reason));
   }
-  return world_from_json(json, fmt::format("world of trial {}", trial.key.substr(0, 16)));
+  return world_from_json(json, name);
 }
 
 Suite stored_suite(const fs::path& store, const std::string& name, const std::string& trials, Plugins plugins) {

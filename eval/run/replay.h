@@ -14,13 +14,17 @@
 
 namespace moma::run {
 
+/// "trial 3f9a12e80b7c6d54", for messages.
+inline std::string trial_name(const store::StoredTrial& trial) { return "trial " + trial.key.substr(0, 16); }
+
 /// Suites rebuilt from a store, each once: reading a robot takes much longer than finding a trial.
 class StoredSuites {
  public:
   explicit StoredSuites(Plugins plugins = Plugins::kRefused) : plugins_(plugins) {}
-  /// Returns the point of `trial`. Throws StoreError if this program simulates differently.
-  const SuitePoint& point_of(const store::StoredTrial& trial);
-  const Suite& suite_of(const store::StoredTrial& trial);
+  /// Returns the point. Throws StoreError if this program simulates differently. `of`: whose it is, for messages.
+  const SuitePoint& point_of(const store::StoredPoint& point, const std::string& of);
+  const SuitePoint& point_of(const store::StoredTrial& trial) { return point_of(trial, trial_name(trial)); }
+  const Suite& suite_of(const store::StoredPoint& point, const std::string& of);
 
  private:
   Plugins plugins_;

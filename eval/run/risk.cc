@@ -350,19 +350,17 @@ std::string price_of_risk(const RiskRequest& request, const Suite& suite) {
 Risk estimate_risk(const RiskRequest& request, const Suite& suite, const RareEvent& event, const Listener& listener) {
   check_drawn(suite, "risk");
   Risk risk;
-  risk.end = with_moved_trials(
-      request, suite, event.level(), listener,
-      [&](MovedTrials& trials) {
-        RiskRun run{request, suite, event, listener, trials};
-        for (std::size_t p = 0; p < suite.points.size(); ++p) run.point(p, risk);
-        Json rows = Json::array();
-        for (const RiskRow& row : risk.rows) rows.push_back(to_json(row, event));
-        trials.keep(rows);
-        if (trials.counts().errors > 0)
-          risk.warnings.push_back(fmt::format("{} trials ended with an error and count as no event; the first: {}",
-                                              trials.counts().errors, trials.counts().first_error));
-      },
-      risk.stopped);
+  const auto work = [&](MovedTrials& trials) {
+    RiskRun run{request, suite, event, listener, trials};
+    for (std::size_t p = 0; p < suite.points.size(); ++p) run.point(p, risk);
+    Json rows = Json::array();
+    for (const RiskRow& row : risk.rows) rows.push_back(to_json(row, event));
+    trials.keep(rows);
+    if (trials.counts().errors > 0)
+      risk.warnings.push_back(fmt::format("{} trials ended with an error and count as no event; the first: {}",
+                                          trials.counts().errors, trials.counts().first_error));
+  };
+  static_cast<Ended&>(risk) = with_moved_trials(request, suite, event.level(), listener, work);
   return risk;
 }
 

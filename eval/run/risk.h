@@ -111,9 +111,7 @@ struct RiskRow {
   bool refused() const { return estimate.excess() > risk::kRefusedExcess; }
 };
 
-struct Risk {
-  End end = End::kFinished;
-  std::string stopped;  ///< if not finished: the saved work and the command to go on
+struct Risk : Ended {
   std::vector<RiskRow> rows;
   std::vector<std::string> warnings;
 };

@@ -12,6 +12,7 @@
 #include "controller/config/node.h"
 #include "controller/describe/enumeration.h"
 #include "eval/store/user_metrics.h"
+#include "world/world_json.h"
 
 namespace moma::run {
 namespace {
@@ -93,7 +94,13 @@ std::function<void(const SuitePoint&, BatchResult&)> finishing(const Suite& suit
 }
 
 store::WorldRecord world_record(const SuitePoint& point, const BatchJob& job, const BatchResult& result) {
-  return result.world != nullptr ? store::describe(*result.world) : store::describe_missing(point.worlds, job.world);
+  if (result.world != nullptr && job.moves == nullptr) return store::describe(*result.world);
+  store::WorldRecord record = store::describe_missing(point.worlds, job.world);
+  if (job.moves == nullptr) return record;
+  auto json = Json::parse(record.json);
+  json["moves"] = to_json(*job.moves);
+  record.json = json.dump();
+  return record;
 }
 
 void StoredTrials::add(const SuitePoint& point, const BatchJob& job, const BatchResult& result) {

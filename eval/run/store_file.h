@@ -41,7 +41,8 @@ void drop_samples(SamplesKept kept, TrialOutput& output);
 /// the suite does not keep. Throws config::ConfigError if a metric's SQL is invalid.
 std::function<void(const SuitePoint&, BatchResult&)> finishing(const Suite& suite);
 
-/// Returns the record of a result's world, even if the world could not be made.
+/// Returns the record of a result's world, even if the world could not be made. That of a moved world has no content:
+/// they are too many to store, and can be drawn again.
 store::WorldRecord world_record(const SuitePoint& point, const BatchJob& job, const BatchResult& result);
 
 /// Trials in a store, after the writer's begin(): those of its suite's points with their samples, or lone ones, of a

@@ -29,9 +29,7 @@ struct TuneListener : Listener {
   std::function<void(const tune::HeldOutVerdict&)> judged = [](const tune::HeldOutVerdict&) {};
 };
 
-struct Tuned {
-  End end = End::kFinished;
-  std::string stopped;                          ///< if not finished: the saved work and the command to go on
+struct Tuned : Ended {
   std::optional<tune::SearchResult> search;     ///< empty if stopped before its end
   std::optional<tune::HeldOutVerdict> verdict;  ///< empty if not requested, or stopped before its end
   fs::path gains;  ///< file written; empty if stopped, or without improvement over the start

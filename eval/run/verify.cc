@@ -136,10 +136,10 @@ class Verifier {
     return keys;
   }
 
-  /// The point that `stored` belongs to; null, with the reason counted, where it cannot be built.
-  const SuitePoint* build(const store::StoredTrial& stored, bool again = false) {
+  /// The stored point; null, with the reason counted, where it cannot be built. `of`: whose it is.
+  const SuitePoint* build(const store::StoredPoint& stored, const std::string& of, bool again = false) {
     try {
-      return &suites_.point_of(stored);
+      return &suites_.point_of(stored, of);
     } catch (const store::StoreError& error) {
       ++unbuilt_[error.kind() == store::StoreError::Kind::kNotFound
                      ? "of another version of the simulation (point.simulation_version)"
@@ -147,7 +147,7 @@ class Verifier {
     } catch (const PluginRefused&) {
       ++unbuilt_["of suites with a plugin (--allow-plugins loads it)"];
     } catch (const config::ConfigError& error) {
-      if (!again) return build(stored, true);  // a fault that passes is none of the store's
+      if (!again) return build(stored, of, true);  // a fault that passes is none of the store's
       ++unbuilt_[fmt::format("of suites that cannot be read (resolved_suite: {})", error.what())];
     }
     return nullptr;
@@ -158,19 +158,14 @@ class Verifier {
     std::map<const Suite*, store::SuiteRecord> records;
     for (const store::StoredPoint& stored : reader_.points()) {
       const std::string name = fmt::format("point {} ({} of {})", stored.id, stored.controller, stored.suite);
-      store::StoredTrial as;  // names its point as a trial would
-      as.key = name;
-      as.resolved_suite = stored.resolved_suite;
-      as.position = stored.position;
-      as.simulation_version = stored.simulation_version;
-      const SuitePoint* point = build(as);
+      const SuitePoint* point = build(stored, name);
       const std::vector<store::PointTrial> trials = reader_.trials_of(stored.id);
       if (point == nullptr) {
         keys_unchecked_ += trials.size();
         continue;
       }
       ++found_.points;
-      const Suite& suite = suites_.suite_of(as);
+      const Suite& suite = suites_.suite_of(stored, name);
       auto record = records.find(&suite);
       if (record == records.end()) record = records.emplace(&suite, store::describe(suite)).first;
       const std::string differ = reader_.point_differences(stored.id, record->second.points.at(stored.position));
@@ -197,7 +192,7 @@ class Verifier {
   void collect(const std::vector<std::string>& keys) {
     for (const std::string& key : keys) {
       store::StoredTrial trial = reader_.trial(key);
-      const SuitePoint* point = build(trial);
+      const SuitePoint* point = build(trial, trial_name(trial));
       if (point == nullptr) continue;
       std::shared_ptr<const World> world;
       try {

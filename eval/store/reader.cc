@@ -61,8 +61,9 @@ StoredTrial Reader::trial(const std::string& prefix) const {
     if (!s) {
       const std::set<std::string> there = stored_columns(db(), "trial");
       s.emplace(db(), fmt::format(
-                          "SELECT lower(hex(t.key)), s.name, p.controller, p.label, r.resolved, p.resolved_position, "
-                          "w.world_index, w.json, coalesce(i.machine_class, ''), p.simulation_version, {} "
+                          "SELECT p.id, s.name, p.controller, p.label, r.resolved, p.resolved_position, "
+                          "p.simulation_version, lower(hex(t.key)), w.world_index, w.json, "
+                          "coalesce(i.machine_class, ''), {} "
                           "FROM trial AS t JOIN world AS w ON w.id = t.world_id "
                           "JOIN point_trial AS m ON m.key = t.key JOIN point AS p ON p.id = m.point_id "
                           "JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r ON r.id = p.resolved_suite_id "
@@ -70,8 +71,8 @@ StoredTrial Reader::trial(const std::string& prefix) const {
                           "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ? ORDER BY p.id LIMIT 1",
                           column_names<TrialRow>("t.", &there)));
     }
-    auto found = row_as<StoredTrial, std::string, std::string, std::string, std::string, std::string, std::size_t,
-                        std::uint64_t, std::string, std::string, int, TrialRow>(*s, hash_from_hex(key));
+    auto found = row_as<StoredTrial, std::int64_t, std::string, std::string, std::string, std::string, std::size_t, int,
+                        std::string, std::uint64_t, std::string, std::string, TrialRow>(*s, hash_from_hex(key));
     if (!found) throw not_found(file_, fmt::format("trial {} belongs to no suite", key));
     found->samples = samples(key);
     return *std::move(found);

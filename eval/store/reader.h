@@ -14,30 +14,8 @@
 
 namespace moma::store {
 
-/// A trial with the data for a replay; its point is number `position` of suite_from_resolved(resolved_suite).points.
-struct StoredTrial {
-  std::string key;  ///< 32 hex digits
-  std::string suite;
-  std::string controller;
-  std::string point;
-  std::string resolved_suite;  ///< JSON
-  std::size_t position = 0;
-  std::uint64_t world_index = 0;
-  std::string world;          ///< JSON
-  std::string machine_class;  ///< of the computer that computed it
-  int simulation_version = 0;
-  TrialRow row;  ///< without timings
-  std::optional<EncodedSamples> samples = {};
-};
-
-/// A value of a metric that a suite defined itself.
-struct StoredMetric {
-  std::string name;
-  std::string expression;
-  double value = 0.0;  ///< NaN: NULL
-};
-
-/// A row of table point, with the data to build it again.
+/// A row of table point, with the data to build it again: it is number `position` of
+/// suite_from_resolved(resolved_suite).points.
 struct StoredPoint {
   std::int64_t id = 0;
   std::string suite;  ///< as shown
@@ -46,6 +24,23 @@ struct StoredPoint {
   std::string resolved_suite;  ///< JSON
   std::size_t position = 0;
   int simulation_version = 0;
+};
+
+/// A trial with the data for a replay.
+struct StoredTrial : StoredPoint {
+  std::string key;  ///< 32 hex digits
+  std::uint64_t world_index = 0;
+  std::string world;          ///< JSON
+  std::string machine_class;  ///< of the computer that computed it
+  TrialRow row;               ///< without timings
+  std::optional<EncodedSamples> samples = {};
+};
+
+/// A value of a metric that a suite defined itself.
+struct StoredMetric {
+  std::string name;
+  std::string expression;
+  double value = 0.0;  ///< NaN: NULL
 };
 
 /// A trial of a point.
