@@ -320,7 +320,7 @@ void identify_joints(const MotionLog& log, Found& found) {
   double squares = 0.0, gains = 0.0, moved = 0.0;
   std::vector<double> off;
   for (const Fitted& part : parts) {
-    const Drive& drive = out.drives.emplace_back(drive_of(part, trip->periods, found.period));
+    const Drive drive = drive_of(part, trip->periods, found.period);
     squares += drive.velocity_noise * drive.velocity_noise;
     const Axis& axis = *part.group.front();
     if (change_of(axis.command) > kStill) {

@@ -36,7 +36,6 @@ struct FoundBase {
 
 struct FoundJoints {
   Latency latency;
-  std::vector<Drive> drives;             ///< in the order of the log's joints
   std::optional<double> position_noise;  ///< of all joints together [rad or m]
   double velocity_noise = 0.0;           ///< [rad/s or m/s]
   double gain_deviation = 0.0;           ///< root of the mean square of g - 1

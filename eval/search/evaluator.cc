@@ -172,8 +172,7 @@ const Evaluation& Evaluator::conclude(Evaluation evaluation, Known& known, const
     best_ = static_cast<long long>(known.latest);
   }
   if (stored == nullptr) log_.append(done);
-  if (report_)
-    report_({done.phase, history_.size(), cuts_, trials_, settings_.budget, stored != nullptr, &done, best()});
+  if (report_) report_({done.phase, history_.size(), cuts_, trials_, settings_.budget, &done, best()});
   return done;
 }
 

@@ -45,7 +45,6 @@ struct Progress {
   std::uint64_t cut = 0;
   std::uint64_t trials = 0;  ///< number of trials used of `budget`
   std::uint64_t budget = 0;
-  bool replayed = false;  ///< the last evaluation came from the log
   const Evaluation* last = nullptr;
   const Evaluation* best = nullptr;  ///< best fully measured candidate, null before the first
 };

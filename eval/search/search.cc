@@ -283,7 +283,6 @@ SearchResult search(const SearchSettings& settings, Objective& objective, Evalua
   SearchResult result;
   Searcher(settings, evaluator, result).run(settings.budget - reserved);
   result.finalists = confirm(settings, fitted, evaluator);
-  result.start = start_of(settings.variables);
   result.found = result.finalists.front().candidate;
   result.trials = evaluator.trials();
   result.sensitivity = sensitivity(settings.sensitivity, result.found, evaluator);

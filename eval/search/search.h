@@ -84,7 +84,6 @@ struct RunNote {
 };
 
 struct SearchResult {
-  Candidate start;
   Candidate found;
   std::vector<Finalist> finalists;  ///< best first
   std::vector<RunNote> runs;

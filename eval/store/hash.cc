@@ -1,24 +1,17 @@
 #include "eval/store/hash.h"
 
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cstring>
 #include <stdexcept>
+
+#include "eval/trial/key.h"
 
 namespace moma::store {
 
-Hash hash_text(std::string_view text) {
-  XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, XXH3_128bits(text.data(), text.size()));
-  Hash hash;
-  static_assert(sizeof(canonical.digest) == sizeof(Hash));
-  std::memcpy(hash.data(), canonical.digest, hash.size());
-  return hash;
-}
+Hash hash_text(std::string_view text) { return hash_from_hex(digest_hex(text)); }
 
 std::string to_hex(const Hash& hash) { return fmt::format("{:02x}", fmt::join(hash, "")); }
 

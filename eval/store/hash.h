@@ -8,9 +8,10 @@
 
 namespace moma::store {
 
-/// 128 bits, as stored in BLOB columns (canonical XXH3-128: big-endian, hex in reading order).
+/// 128 bits, as stored in BLOB columns (XXH3-128, big-endian: hex in reading order).
 using Hash = std::array<unsigned char, 16>;
 
+/// digest_hex() (eval/trial/key.h) as a Hash.
 Hash hash_text(std::string_view text);
 
 /// 32 hex digits.

@@ -8,7 +8,6 @@
 #include "eval/trial/spec_file.h"
 #include "eval/trial/trial.h"
 #include "world/scenario/worlds.h"
-#include "world/sensing/disturbances_file.h"
 #include "world/world_json.h"
 
 namespace moma::store {
@@ -56,8 +55,9 @@ SuiteRecord describe(const Suite& suite) {
     p.stuck_motion = point.stuck.ends.motion;
     p.infeasible_time_s = point.infeasible.time;
     p.simulation_version = kSimulationVersion;
-    Json rules = {to_json(point.simulation), to_json(point.success), to_json(point.stuck), to_json(point.infeasible)};
-    if (any(point.disturbances)) rules.push_back(to_json(point.disturbances));
+    Json rules = Json::array();
+    const Json sections = sections_json(point);
+    for (const auto& section : sections) rules.push_back(section);
     p.content_hash = hash_text(p.params + '\n' + robot + '\n' + p.controller_resolved + '\n' + p.worlds + '\n' +
                                rules.dump() + '\n' + std::to_string(kSimulationVersion));
     record.points.push_back(std::move(p));

@@ -7,17 +7,10 @@
 #include "controller/config/node.h"
 #include "controller/config/robot_file.h"
 #include "controller/params.h"
-#include "eval/trial/spec.h"
+#include "eval/suite/suite.h"
 #include "plugin/host/plugin.h"
 
 namespace moma {
-
-/// Permission to load foreign code that a text names.
-enum class Plugins {
-  kOfSuite,  ///< a suite file of the user's: any path
-  kOfStore,  ///< stored text with the user's permission: absolute path and digest only
-  kRefused,  ///< stored text of unknown origin
-};
 
 /// A plugin that was not loaded, because loading was not allowed.
 class PluginRefused : public config::ConfigError {

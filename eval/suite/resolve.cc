@@ -39,10 +39,11 @@ void check_name(const std::string& name, const Node& node, const std::string& ke
 }
 
 // Returns the sections of a point by name, as in the resolved suite.
-std::map<std::string, Json> sections_of(const SuitePoint& point) {
-  return {{"worlds", point.worlds.to_json()},        {"simulation", to_json(point.simulation)},
-          {"success", to_json(point.success)},       {"stuck", to_json(point.stuck)},
-          {"infeasible", to_json(point.infeasible)}, {"disturbances", to_json(point.disturbances)}};
+Json sections_of(const SuitePoint& point) {
+  Json sections = sections_json(point);
+  sections["worlds"] = point.worlds.to_json();
+  sections["disturbances"] = to_json(point.disturbances);
+  return sections;
 }
 
 // Warns if the base cannot stop from its largest speed between `influence` and `stop` of a velocity damper.
@@ -154,7 +155,7 @@ void check_suite(Suite& suite, const config::Mark& mark) {
     }
     if (has_qp(point)) warn_about_braking(point, suite.warnings);
     Json content = {{"robot", point.robot_digest}, {"controller", point.controller_resolved}};
-    for (const auto& [key, value] : sections_of(point)) content[key] = value;
+    content.update(sections_of(point));
     const auto [same, fresh] = contents.emplace(canonical_digest(content), name);
     if (!fresh) {
       add_warning(suite.warnings,
@@ -169,7 +170,7 @@ Json resolved_json(const Suite& suite, bool swept) {
   for (const SuitePoint& point : suite.points)
     if (!json["controllers"].contains(point.controller))
       json["controllers"][point.controller] = stored_controller(point);
-  const std::map<std::string, Json> base = sections_of(first);
+  const Json base = sections_of(first);
   for (const char* key : kSectionKeys)
     if (!base.at(key).empty()) json[key] = base.at(key);
   json["trials"] = trials_json(suite);
@@ -192,8 +193,9 @@ Json resolved_json(const Suite& suite, bool swept) {
     }
     if (Json controller = stored_controller(point); controller != json["controllers"][point.controller])
       entry["controller_params"] = std::move(controller);
-    for (const auto& [key, value] : sections_of(point))
-      if (value != base.at(key)) entry[key] = value;
+    const Json sections = sections_of(point);
+    for (const char* key : kSectionKeys)
+      if (sections.at(key) != base.at(key)) entry[key] = sections.at(key);
     points.push_back(std::move(entry));
   }
   if (!more_robots.empty()) json["more_robots"] = std::move(more_robots);

@@ -22,8 +22,6 @@ SuiteRobot robot_of(const Json& resolved) {
 
 }  // namespace
 
-Suite suite_from_resolved(const Json& resolved) { return suite_from_resolved(resolved, Plugins::kRefused); }
-
 Suite suite_from_resolved(const Json& resolved, Plugins plugins) {
   // Robots, by far the largest part, have a reader of their own.
   Json small = resolved;
@@ -34,12 +32,9 @@ Suite suite_from_resolved(const Json& resolved, Plugins plugins) {
 
   Suite suite;
   MapReader in(root, "");
-  suite.name = config::read_string(in.require("name", "a name"), "name");
-  read_trials(in.require("trials", "the number of worlds"), "trials", suite);
+  in.require("name", "a name");
   in.require("samples", "all, failures or none");
-  in.read_enum("samples", suite.samples);
-  if (const Node* metrics = in.get("metrics")) read_metrics(*metrics, "metrics", suite);
-  if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
+  read_whole(in, suite);
   in.require("robot", "a resolved robot");
   for (const char* key : kSectionKeys) in.get(key);
   in.get("controllers");

@@ -14,6 +14,8 @@ namespace moma {
 using config::MapReader;
 using config::Node;
 
+namespace {
+
 void read_metrics(const Node& node, const std::string& key, Suite& suite) {
   if (node.kind != Node::Kind::kMap)
     config::fail(node.mark, key, "expected a map {NAME: SQL expression over a trial's samples}");
@@ -35,8 +37,6 @@ std::string read_notes(const Node& node, const std::string& key) {
       fmt::format("found {}, expected text in Markdown; after `{}: |` it has any number of lines", found, key));
 }
 
-namespace {
-
 UntilRule read_until(const Node& node, const std::string& key) {
   UntilRule rule;
   MapReader in(node, key);
@@ -50,8 +50,6 @@ UntilRule read_until(const Node& node, const std::string& key) {
   return rule;
 }
 
-}  // namespace
-
 void read_trials(const Node& node, const std::string& key, Suite& suite) {
   suite.until.reset();
   if (node.kind == Node::Kind::kMap) {
@@ -62,6 +60,17 @@ void read_trials(const Node& node, const std::string& key, Suite& suite) {
     return;
   }
   suite.trials = static_cast<std::uint64_t>(config::read_integer(node, key, 1, static_cast<long long>(kMaxTrials)));
+}
+
+}  // namespace
+
+void read_whole(MapReader& in, Suite& suite) {
+  in.read("name", suite.name);
+  in.check(!suite.name.empty(), "name", "found nothing, expected a name");
+  read_trials(in.require("trials", "the number of worlds, 1 or more"), "trials", suite);
+  in.read_enum("samples", suite.samples);
+  if (const Node* metrics = in.get("metrics")) read_metrics(*metrics, "metrics", suite);
+  if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
 }
 
 Json trials_json(const Suite& suite) {

@@ -245,19 +245,14 @@ Suite load_suite(const fs::path& file, const Overrides& overrides) {
   suite.name = file.stem().string();
   MapReader in = known_keys(draft.root());
   in.finish();
-  in.read("name", suite.name);
-  in.check(!suite.name.empty(), "name", "found nothing, expected a name");
-  read_trials(in.require("trials", "the number of worlds, 1 or more"), "trials", suite);
-  in.read_enum("samples", suite.samples);
+  read_whole(in, suite);
   if (const Node* metrics = in.get("metrics")) {
-    read_metrics(*metrics, "metrics", suite);
     for (const auto& [name, expression] : metrics->entries) {
       const std::string outcome = name.ends_with("_rate") ? name.substr(0, name.size() - 5) : name;
       if (from_string<Outcome>(outcome) || name == "success_without_errors")
         config::fail(expression.mark, "metrics." + name, "is the name of moma's own rate of outcomes; take another");
     }
   }
-  if (const Node* notes = in.get("notes")) suite.notes = read_notes(*notes, "notes");
   const Node* sweep = in.get("sweep");
   if (sweep != nullptr && sweep->kind == Node::Kind::kScalar && sweep->scalar == "none") sweep = nullptr;
   std::vector<Assignment> assignments(1);

@@ -16,7 +16,12 @@
 
 namespace moma {
 
-enum class Plugins;
+/// Permission to load foreign code that a text names.
+enum class Plugins {
+  kOfSuite,  ///< a suite file of the user's: any path
+  kOfStore,  ///< stored text with the user's permission: absolute path and digest only
+  kRefused,  ///< stored text of unknown origin
+};
 
 enum class SamplesKept { kAll, kFailures, kNone };
 constexpr auto words(Of<SamplesKept>) { return std::to_array<std::string_view>({"all", "failures", "none"}); }
@@ -79,9 +84,7 @@ using Overrides = std::vector<std::pair<std::string, std::string>>;
 
 /// Reads and resolves a suite. Throws config::ConfigError with file, line, column, key.
 Suite load_suite(const fs::path& file, const Overrides& overrides = {});
-Suite suite_from_resolved(const Json& resolved);
-/// With permission for the suite's plugins (eval/suite/controller_entry.h), which the other one refuses. Throws
-/// config::ConfigError, PluginRefused.
-Suite suite_from_resolved(const Json& resolved, Plugins plugins);
+/// Restores a suite from Suite::resolved. Throws config::ConfigError, PluginRefused (eval/suite/controller_entry.h).
+Suite suite_from_resolved(const Json& resolved, Plugins plugins = Plugins::kRefused);
 
 }  // namespace moma

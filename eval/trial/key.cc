@@ -5,20 +5,15 @@
 
 #include "eval/trial/spec_file.h"
 #include "eval/trial/trial.h"
-#include "world/sensing/disturbances_file.h"
 
 namespace moma {
 namespace {
 
 std::string digest(const TrialSpec& spec) {
-  Json json = {{"version", kSimulationVersion},
-               {"robot", spec.robot_digest.empty() ? canonical_digest(spec.robot->resolved) : spec.robot_digest},
-               {"controller", spec.controller_resolved},
-               {"simulation", to_json(spec.simulation)},
-               {"success", to_json(spec.success)},
-               {"stuck", to_json(spec.stuck)},
-               {"infeasible", to_json(spec.infeasible)}};
-  if (any(spec.disturbances)) json["disturbances"] = to_json(spec.disturbances);
+  Json json = sections_json(spec);
+  json["version"] = kSimulationVersion;
+  json["robot"] = spec.robot_digest.empty() ? canonical_digest(spec.robot->resolved) : spec.robot_digest;
+  json["controller"] = spec.controller_resolved;
   return canonical_digest(json);
 }
 

@@ -4,6 +4,7 @@
 
 #include "controller/config/read_described.h"
 #include "controller/config/write_described.h"
+#include "world/sensing/disturbances_file.h"
 
 namespace moma {
 
@@ -57,9 +58,13 @@ InfeasibleRule read_infeasible(const Node& node, const std::string& key) {
   return infeasible;
 }
 
-Json to_json(const SimulationConfig& simulation) { return config::write_described(simulation); }
-Json to_json(const SuccessRule& success) { return config::write_described(success); }
-Json to_json(const StuckRule& stuck) { return config::write_described(stuck); }
-Json to_json(const InfeasibleRule& infeasible) { return config::write_described(infeasible); }
+Json sections_json(const TrialSpec& spec) {
+  Json json = {{"simulation", config::write_described(spec.simulation)},
+               {"success", config::write_described(spec.success)},
+               {"stuck", config::write_described(spec.stuck)},
+               {"infeasible", config::write_described(spec.infeasible)}};
+  if (any(spec.disturbances)) json["disturbances"] = to_json(spec.disturbances);
+  return json;
+}
 
 }  // namespace moma

@@ -8,8 +8,8 @@
 
 namespace moma {
 
-// Strict readers and writers of a trial's sections besides robot and controller; read_x(node of to_json(x)) == x bit
-// for bit. All readers throw config::ConfigError with place and key.
+// Strict readers and writer of a trial's sections besides robot and controller; what is written is read back bit for
+// bit. All readers throw config::ConfigError with place and key.
 
 SimulationConfig read_simulation(const config::Node& node, const std::string& key);
 /// A dwell longer than the time limit of `simulation` is an error.
@@ -18,9 +18,7 @@ SuccessRule read_success(const config::Node& node, const std::string& key, const
 StuckRule read_stuck(const config::Node& node, const std::string& key, const SimulationConfig& simulation);
 InfeasibleRule read_infeasible(const config::Node& node, const std::string& key);
 
-Json to_json(const SimulationConfig& simulation);
-Json to_json(const SuccessRule& success);
-Json to_json(const StuckRule& stuck);
-Json to_json(const InfeasibleRule& infeasible);
+/// The spec's sections beside robot and controller by their names in a suite; `disturbances` if there are any.
+Json sections_json(const TrialSpec& spec);
 
 }  // namespace moma

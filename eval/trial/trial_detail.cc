@@ -10,7 +10,6 @@
 #include "controller/config/write_described.h"
 #include "controller/controller_core.h"
 #include "eval/trial/spec_file.h"
-#include "world/sensing/disturbances_file.h"
 #include "world/world_json.h"
 
 namespace moma {
@@ -213,13 +212,12 @@ Json trace_json(const TrialSpec& spec, const World& world, const TrialOutput& ou
   json["trial"] = trial;
   json["outcome"] = to_string(output.row.outcome);
   json["robot"] = spec.robot->resolved;
-  json["success"] = to_json(spec.success);
-  json["stuck"] = to_json(spec.stuck);
-  json["infeasible"] = to_json(spec.infeasible);
+  const Json sections = sections_json(spec);
+  for (const char* name : {"success", "stuck", "infeasible"}) json[name] = sections.at(name);
   json["controller"] = spec.controller_resolved;
   json["world"] = to_json(world);
-  json["simulation"] = to_json(spec.simulation);
-  if (any(spec.disturbances)) json["disturbances"] = to_json(spec.disturbances);
+  for (const char* name : {"simulation", "disturbances"})
+    if (sections.contains(name)) json[name] = sections.at(name);
   Json& samples = json["samples"] = Json::array();
   for (const Sample& sample : output.trace) samples.push_back(sample_json(sample));
   return json;

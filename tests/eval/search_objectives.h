@@ -19,10 +19,9 @@ namespace moma::tune {
 
 /// All members but `importance`, which may hold NaN and follows from the others.
 inline bool operator==(const SearchResult& a, const SearchResult& b) {
-  return a.start == b.start && a.found == b.found && a.finalists == b.finalists && a.runs == b.runs &&
-         a.history == b.history && a.sensitivity == b.sensitivity && a.trials == b.trials &&
-         a.trials_saved == b.trials_saved && a.evaluations_cut == b.evaluations_cut && a.penalty == b.penalty &&
-         a.notes == b.notes;
+  return a.found == b.found && a.finalists == b.finalists && a.runs == b.runs && a.history == b.history &&
+         a.sensitivity == b.sensitivity && a.trials == b.trials && a.trials_saved == b.trials_saved &&
+         a.evaluations_cut == b.evaluations_cut && a.penalty == b.penalty && a.notes == b.notes;
 }
 
 }  // namespace moma::tune

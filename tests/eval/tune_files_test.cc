@@ -230,7 +230,6 @@ TEST(TuneFiles, TheFoundFileIsAControllerWithTheFoundValues) {
       ".inf}}}");
   const Tuning tuning = load_tuning(file);
   SearchResult result;
-  result.start = start_of(tuning.config.variables);
   result.found = {0.123456, 0.0777};
   const std::string text = tuned_file(tuning, result, nullptr, "Suite: with 'quotes'\nand lines");
   const auto written = folder.write("controllers/tuned.yaml", text);
