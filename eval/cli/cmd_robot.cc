@@ -86,23 +86,17 @@ std::string report(const fit::RobotFit& fit) {
   return text.str();
 }
 
-std::string with_prefix(const std::string& text, const std::string& prefix) {
-  std::string result;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    std::string whole = prefix + line;
-    whole.erase(whole.find_last_not_of(' ') + 1);
-    result += whole + "\n";
-  }
-  return result;
+std::string collision(const fit::RobotFit& fit) {
+  std::string section = "collision:\n";
+  std::istringstream lines(fit.collision);
+  for (std::string line; std::getline(lines, line);) section += "  " + line + "\n";
+  return section;
 }
 
-std::string collision(const fit::RobotFit& fit) { return "collision:\n" + with_prefix(fit.collision, "  "); }
-
 std::string block(const fit::RobotFit& fit, const std::string& robot) {
-  return with_prefix(fmt::format("Shapes around the URDF's {} geometry of {}, by moma robot --fit-shapes.\n\n{}",
-                                 fit.of_visuals ? "visual" : "collision", terminal_safe(robot), report(fit)),
-                     "# ") +
+  return config::yaml_comment(
+             fmt::format("Shapes around the URDF's {} geometry of {}, by moma robot --fit-shapes.\n\n{}",
+                         fit.of_visuals ? "visual" : "collision", terminal_safe(robot), report(fit))) +
          collision(fit);
 }
 

@@ -10,9 +10,7 @@
 #include "eval/batch/sequential.h"
 #include "eval/run/store_file.h"
 #include "eval/run/warnings.h"
-#include "eval/store/database.h"
 #include "eval/store/machine.h"
-#include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 #include "eval/suite/controller_entry.h"
 #include "eval/trial/trial.h"
@@ -57,7 +55,6 @@ class Run {
   Evaluation execute() {
     if (request_.cluster != nullptr)
       request_.cluster->lead(suite_.resolved.dump(), store::this_machine().machine_class, listener_.notice);
-    const bool lock_left = store::RunLock::there(result_.file);
     const store::RunLock lock(result_.file, request_.stop, listener_.notice);
     if (!lock.held()) {
       result_.end = End::kNeverBegan;
@@ -65,11 +62,7 @@ class Run {
       return std::move(result_);
     }
     store::Writer writer(result_.file);
-    if (lock.exclusive()) tell_killed(writer.close_killed(), lock_left, listener_);
-    if (const std::size_t late = writer.forgotten(); late > 0)
-      listener_.note(fmt::format("{} stored errors came from a busy machine: they are tried again", late));
-    const std::string warning = store::file_system_warning(result_.file);
-    if (!warning.empty()) listener_.warning(warning);
+    tell_opened(writer, lock, result_.file, listener_);
     try {
       suite_.until ? run_until(writer) : run_fixed(writer);
     } catch (...) {

@@ -7,7 +7,6 @@
 #include "eval/run/store_file.h"
 #include "eval/store/machine.h"
 #include "eval/store/records.h"
-#include "eval/store/run_lock.h"
 #include "eval/trial/key.h"
 #include "world/draws.h"
 
@@ -74,11 +73,10 @@ Ended with_moved_trials(const Request& request, const Suite& suite, std::string_
   std::optional<store::RunLock> lock;
   std::optional<store::Writer> writer;
   if (!request.file.empty()) {
-    const bool lock_left = store::RunLock::there(request.file);
     lock.emplace(request.file, request.stop, listener.notice);
     if (!lock->held()) return {End::kNeverBegan, "stopped while waiting; nothing was done"};
     writer.emplace(request.file);
-    if (lock->exclusive()) tell_killed(writer->close_killed(), lock_left, listener);
+    tell_opened(*writer, *lock, request.file, listener);
     store::SuiteRecord record = store::describe(suite);
     record.metrics.clear();  // metrics of single trials are for trials that belong to a point
     writer->begin(record, {request.arguments, threads_of(request)}, {});

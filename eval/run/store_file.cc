@@ -11,6 +11,7 @@
 
 #include "controller/config/node.h"
 #include "controller/describe/enumeration.h"
+#include "eval/store/database.h"
 #include "eval/store/user_metrics.h"
 #include "world/world_json.h"
 
@@ -54,8 +55,12 @@ std::string no_end_text(const std::string& started, bool lock_left) {
                          started);
 }
 
-void tell_killed(const std::vector<std::string>& started, bool lock_left, const Listener& listener) {
-  for (const std::string& when : started) listener.note(no_end_text(when, lock_left));
+void tell_opened(store::Writer& writer, const store::RunLock& lock, const fs::path& file, const Listener& listener) {
+  if (lock.exclusive())
+    for (const std::string& when : writer.close_killed()) listener.note(no_end_text(when, lock.was_there()));
+  if (const std::size_t late = writer.forgotten(); late > 0)
+    listener.note(fmt::format("{} stored errors came from a busy machine: they are tried again", late));
+  if (const std::string warning = store::file_system_warning(file); !warning.empty()) listener.warning(warning);
 }
 
 int usual_threads(bool cluster) {

@@ -7,6 +7,7 @@
 
 #include "eval/batch/trial_rows.h"
 #include "eval/run/listener.h"
+#include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 
 namespace moma::run {
@@ -26,8 +27,9 @@ std::string stopped_text(const std::string& what, const std::string& saved, cons
 /// is a copy that was taken during the run.
 std::string no_end_text(const std::string& started, bool lock_left);
 
-/// Reports runs without an end by their start times. `lock_left`: RunLock::there() before this program took the lock.
-void tell_killed(const std::vector<std::string>& started, bool lock_left, const Listener& listener);
+/// Tells what a writer, before its begin(), found in the store: runs that were killed, unless another process may be
+/// writing; errors that are tried again; a file system whose locks cannot be trusted.
+void tell_opened(store::Writer& writer, const store::RunLock& lock, const fs::path& file, const Listener& listener);
 
 /// Returns the number of cores, or one thread per rank of an mpirun: ranks are usually as many as cores.
 int usual_threads(bool cluster = false);

@@ -7,9 +7,7 @@
 
 #include "eval/batch/batch.h"
 #include "eval/run/store_file.h"
-#include "eval/store/database.h"
 #include "eval/store/machine.h"
-#include "eval/store/run_lock.h"
 #include "eval/store/writer.h"
 #include "eval/trial/trial.h"
 #include "eval/tune/search_record.h"
@@ -43,12 +41,11 @@ class Tune {
 
   Tuned execute() {
     Tuned tuned;
-    lock_left_ = store::RunLock::there(file_);
     const store::RunLock lock(file_, request_.stop, listener_.notice);
     if (!lock.held()) return stopped(std::move(tuned), End::kNeverBegan, "the wait for the store");
     check_gains_file();
     tell_plan();
-    tuned.search = search(lock.exclusive());
+    tuned.search = search(lock);
     if (!tuned.search) return stopped(std::move(tuned), End::kStopped, "the search");
     listener_.searched(*tuned.search);
     if (request_.verdict) {
@@ -76,11 +73,9 @@ class Tune {
     listener_.note("objective: " + tune::objective_text(tuning_));
   }
 
-  std::optional<tune::SearchResult> search(bool exclusive) {
+  std::optional<tune::SearchResult> search(const store::RunLock& lock) {
     store::Writer writer(file_);
-    if (exclusive) tell_killed(writer.close_killed(), lock_left_, listener_);
-    const std::string warning = store::file_system_warning(file_);
-    if (!warning.empty()) listener_.warning(warning);
+    tell_opened(writer, lock, file_, listener_);
     writer.begin(without_metrics(store::describe(tune::searched_suite(tuning_))), {request_.arguments, threads_}, {});
     store::TuneRecords records(writer, tune::search_record(tuning_), tuning_.config.variables);
     if (records.present() > 0)
@@ -195,7 +190,6 @@ class Tune {
   fs::path file_;
   fs::path gains_;
   int threads_;
-  bool lock_left_ = false;  ///< by a run before this one
 };
 
 }  // namespace

@@ -33,7 +33,7 @@ std::string holder(int descriptor) {
 
 RunLock::RunLock(const fs::path& db, const std::atomic<bool>* stop,
                  const std::function<void(const std::string&)>& waiting, Use use)
-    : file_(files::behind_links(db).string() + "-lock"), use_(use) {
+    : file_(files::behind_links(db).string() + "-lock"), use_(use), was_there_(there(db)) {
   bool told = false;
   while (!(held_ = try_lock())) {
     if (!told)

@@ -34,6 +34,8 @@ class RunLock {
   /// is a copy that lacks the trials in DB-wal.
   static bool there(const fs::path& db);
 
+  /// True if the lock's file was there before, held or left by a killed program.
+  bool was_there() const { return was_there_; }
   /// False if the wait was stopped.
   bool held() const { return held_; }
   /// False if the file system has no locks.
@@ -46,6 +48,7 @@ class RunLock {
 
   fs::path file_;
   Use use_;
+  bool was_there_;
   int descriptor_ = -1;
   bool held_ = false;
   bool found_ = false;  ///< a killed program had left the file
