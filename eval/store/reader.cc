@@ -71,8 +71,8 @@ StoredTrial Reader::trial(const std::string& prefix) const {
                           "LEFT JOIN invocation AS i ON i.id = e.invocation_id WHERE t.key = ? ORDER BY p.id LIMIT 1",
                           column_names<TrialRow>("t.", &there)));
     }
-    auto found = row_as<StoredTrial, std::int64_t, std::string, std::string, std::string, std::string, std::size_t, int,
-                        std::string, std::uint64_t, std::string, std::string, TrialRow>(*s, hash_from_hex(key));
+    auto found = row_as<StoredTrial, StoredPoint, std::string, std::uint64_t, std::string, std::string, TrialRow>(
+        *s, hash_from_hex(key));
     if (!found) throw not_found(file_, fmt::format("trial {} belongs to no suite", key));
     found->samples = samples(key);
     return *std::move(found);
@@ -113,7 +113,7 @@ std::vector<StoredMetric> Reader::metrics(const std::string& key) const {
 }
 
 std::vector<StoredPoint> Reader::points() const {
-  return all_as<StoredPoint, std::int64_t, std::string, std::string, std::string, std::string, std::size_t, int>(
+  return all<StoredPoint>(
       "SELECT p.id, s.name, p.controller, p.label, r.resolved, p.resolved_position, p.simulation_version "
       "FROM point AS p JOIN suite AS s ON s.id = p.suite_id JOIN resolved_suite AS r "
       "ON r.id = p.resolved_suite_id ORDER BY p.id");

@@ -26,6 +26,17 @@ struct StoredPoint {
   int simulation_version = 0;
 };
 
+constexpr void describe(auto& v, Of<StoredPoint>) {
+  using T = StoredPoint;
+  v.member("id", &T::id, Field{});
+  v.member("suite", &T::suite, Field{});
+  v.member("controller", &T::controller, Field{});
+  v.member("label", &T::label, Field{});
+  v.member("resolved_suite", &T::resolved_suite, Field{});
+  v.member("position", &T::position, Field{});
+  v.member("simulation_version", &T::simulation_version, Field{});
+}
+
 /// A trial with the data for a replay.
 struct StoredTrial : StoredPoint {
   std::string key;  ///< 32 hex digits
