@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "controller/config/json_node.h"
@@ -61,6 +62,32 @@ void warn_about_braking(const SuitePoint& point, std::vector<std::string>& warni
                   "takes {:.3g} m to brake from {:.3g} m/s ({:.3g} m/s^2) and may run into objects; {:.3g} m or "
                   "more, or collision.braking",
                   point.controller, way, needed, speed, base.max_acceleration.x(), collision.object.stop + needed));
+}
+
+/// Whether each velocity's acceleration limit is a share of the robot's own, so that limits.acceleration bounds none.
+bool bounded_by_shares(const ControllerParams& params, const RobotModel& model) {
+  if (model.base_dof() > 0 && !(params.base_share > 0.0)) return false;
+  for (int i = 0; i < model.num_joints(); ++i)
+    if (!(params.joint_share > 0.0) || !std::isfinite(model.joint(i).acceleration)) return false;
+  return true;
+}
+
+/// Warns if the suite, an option or the controller's own file sets an acceleration limit that bounds nothing. A preset
+/// that includes another knows that its shares replace that one's limit.
+void warn_about_acceleration(const std::string& suite_file, const Node& entry, const std::string& key,
+                             const SuitePoint& point, std::vector<std::string>& warnings) {
+  if (!bounded_by_shares(point.controller_params, *point.robot->model)) return;
+  Node opened = entry;
+  if (entry.kind == Node::Kind::kScalar) opened = config::load_yaml(config::directory_of(entry.mark) / entry.scalar);
+  const Node* limits = opened.find("limits");
+  const Node* written = limits != nullptr ? limits->find("acceleration") : nullptr;
+  if (written == nullptr) return;
+  const std::string& file = written->mark.file;
+  if (file != opened.mark.file && file != suite_file && !file.starts_with("--set ")) return;
+  add_warning(warnings,
+              key +
+                  ".limits.acceleration: has no effect: limits.base and limits.joints bound every velocity by "
+                  "a share of the robot's own acceleration; change these, or set them to 0");
 }
 
 /// Warns about valid values that look like another unit.
@@ -133,6 +160,7 @@ std::vector<SuitePoint> read_points(const Node& root, const SuiteRobot& robot, s
                    read_suite_controller(node, key, robot.robot, point.simulation.control_period, of_it, plugins));
     for (const std::string& warning : of_it)
       add_warning(warnings, warning.find(key) == std::string::npos ? key + ": " + warning : warning);
+    warn_about_acceleration(root.mark.file, node, key, point, warnings);
   }
   return points;
 }

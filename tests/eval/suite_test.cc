@@ -5,6 +5,7 @@
 #include "eval/trial/key.h"
 #include "eval/trial/trial.h"
 #include "tests/eval/suite_fixture.h"
+#include "tests/support/scratch.h"
 
 namespace moma::test {
 namespace {
@@ -217,6 +218,35 @@ TEST(Suite, WarnsOfDoubtfulThings) {
                             [&](const std::string& w) { return w.find(words) != std::string::npos; }),
               1)
         << words;
+}
+
+TEST(Suite, WarnsOfAnAccelerationThatSharesReplace) {
+  const std::string configs = std::string(MOMA_SOURCE_DIR) + "/configs/";
+  const test::Scratch scratch;
+  scratch.write("mine.yaml", "include: " + configs + "controllers/moma.yaml\nlimits: {acceleration: 2}\n");
+  const auto said = [&](const std::string& controller, const Overrides& overrides = {},
+                        const std::string& robot = "frankie.yaml") {
+    const auto file =
+        scratch.write("suite.yaml", "robot: " + configs + "robots/" + robot + "\ncontrollers: {c: " + controller +
+                                        "}\nworlds: {families: {open: {}}}\n"
+                                        "simulation: {mode: kinematic}\ntrials: 1\n");
+    const Suite suite = load_suite(file, overrides);
+    return std::count_if(suite.warnings.begin(), suite.warnings.end(), [](const std::string& w) {
+      return w.starts_with("controllers.c.limits.acceleration: has no effect");
+    });
+  };
+  const std::string moma = configs + "controllers/moma.yaml";
+  const Overrides set = {{"controllers.c.limits.acceleration", "5"}};
+  EXPECT_EQ(said(moma, set), 1);
+  EXPECT_EQ(said("{include: " + moma + ", limits: {acceleration: 5}}"), 1);
+  EXPECT_EQ(said("mine.yaml"), 1);
+  EXPECT_EQ(said(moma, {{"sweep", "{axes: {controller.limits.acceleration: [1, 2]}}"}}), 1);
+  EXPECT_EQ(said(moma, set, "panda.yaml"), 1) << "no base";
+  EXPECT_EQ(said(moma), 0) << "its own file leaves it to the shares";
+  EXPECT_EQ(said("{include: " + moma + ", k_epsilon: 0.1}"), 0);
+  EXPECT_EQ(said("{include: " + moma + ", limits: {acceleration: 5, joints: 0}}"), 0);
+  EXPECT_EQ(said("{include: " + moma + ", limits: {acceleration: 5, base: 0}}"), 0);
+  EXPECT_EQ(said("{include: " + configs + "controllers/holistic.yaml, limits: {acceleration: 5}}"), 0);
 }
 
 void expect_same_keys(const Suite& a, const Suite& b) {
