@@ -88,6 +88,14 @@ std::string complaint(const std::string& of_sqlite, const std::vector<std::strin
                      config::suggestion(of_sqlite.substr(kUnknown.size()), columns), ranges(columns));
 }
 
+/// Whether a ';' that is in no text and no comment ends a statement within `expression`. SQLite says nothing of what
+/// comes behind it, and misses the columns of `FROM samples`, which is behind it too.
+bool ends_within(const std::string& expression) {
+  for (std::size_t at = expression.find(';'); at != std::string::npos; at = expression.find(';', at + 1))
+    if (sqlite3_complete(expression.substr(0, at + 1).c_str()) == 1) return true;
+  return false;
+}
+
 }  // namespace
 
 /// One connection in memory with the table of one trial at a time.
@@ -125,6 +133,9 @@ struct UserMetrics::Evaluator {
         this);
     for (std::size_t i = 0; i < metrics.size(); ++i) {
       const std::string& expression = metrics[i].second;
+      if (expression.find_first_not_of(" \t\r\n") == std::string::npos)
+        throw MetricError(i, "found nothing, expected an SQL expression over a trial's samples, for instance max(t)");
+      if (ends_within(expression)) throw MetricError(i, "is more than one expression: ';' ends it");
       // Without brackets around it too, so that its own cannot close those.
       const bool alone = prepare(fmt::format("SELECT {}\n FROM samples", expression)) != nullptr;
       const std::string why_not = alone ? "" : complaint(sqlite3_errmsg(raw), names);

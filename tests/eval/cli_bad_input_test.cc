@@ -84,10 +84,20 @@ TEST_F(CliBadInput, MetricsThatARunRefuses) {
     write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"" + metric + "\"}\n");
     bad({"check", "suite.yaml"}, {"suite.yaml:7:17: metrics.mine: "});
   }
-  write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"max(t)); SELECT (1\"}\n");
+  write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"max(t))\"}\n");
   bad({"check", "suite.yaml"}, {"metrics.mine: near \")\": syntax error"});
   write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"1), (SELECT max(t)\"}\n");
   bad({"check", "suite.yaml"}, {"metrics.mine: its brackets do not match"});
+  for (const char* metric : {"1; SELECT 2", "max(t); DROP TABLE trial", "max(t);", "max(t)); SELECT (1"}) {
+    write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"" + metric + "\"}\n");
+    bad({"check", "suite.yaml"}, {"suite.yaml:7:17: metrics.mine: is more than one expression: ';' ends it"});
+  }
+  write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"max(t) + 0 * max(';' = ';') /* ; */\"}\n");
+  good({"check", "suite.yaml"});
+  for (const char* metric : {"", " "}) {
+    write("suite.yaml", std::string(kSuite) + "metrics: {mine: \"" + metric + "\"}\n");
+    bad({"check", "suite.yaml"}, {"suite.yaml:7:17: metrics.mine: found nothing, expected an SQL expression"});
+  }
 }
 
 TEST_F(CliBadInput, DeepJson) {
