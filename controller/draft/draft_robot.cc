@@ -31,6 +31,9 @@ double rounded(double value, double step) {
   return result == 0.0 ? 0.0 : result;
 }
 
+// The largest multiple of `step` that is not above `value`.
+double rounded_down(double value, double step) { return std::floor(value / step * (1.0 + 1e-9)) * step; }
+
 std::string number(double value) { return fmt::format("{:.5g}", value); }
 
 std::string list(const Vector3& v) { return fmt::format("[{}, {}, {}]", number(v.x()), number(v.y()), number(v.z())); }
@@ -160,8 +163,9 @@ class Drafter {
     if (!mobile) return;
     const Wheels wheels = base_.wheels.value_or(Wheels{0.0, 0.0, 0.0, 0.0});
     const bool known = base_.wheels && wheels.max_speed > 0.0;
-    const double linear =
-        known ? std::min(kMostBaseSpeed, rounded(wheels.max_speed * wheels.radius, 0.01)) : kBaseSpeed;
+    // Rounded down, of the radius as it is written: the wheels reach the speed.
+    const double reached = wheels.max_speed * rounded(wheels.radius, 1e-4);
+    const double linear = known ? std::min(kMostBaseSpeed, rounded_down(reached, 0.01)) : kBaseSpeed;
     const double lever = 0.5 * (wheels.separation + wheels.wheelbase);
     const double angular = rounded(lever > 0.0 ? std::min(kMostTurnSpeed, linear / lever) : kMostTurnSpeed / 2.0, 0.01);
     const std::string source = known ? "the URDF's wheel speed times the radius, at most 2" : "the URDF does not say";

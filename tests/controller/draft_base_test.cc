@@ -37,6 +37,19 @@ TEST_F(DraftedBase, ADifferentialBaseWithACasterAndAnArm) {
   EXPECT_EQ(made.text, draft_robot({folder_ / "robot.urdf", folder_, false}).text);
 }
 
+TEST_F(DraftedBase, ASpeedThatTheWheelsReach) {
+  std::string wheels = wheel("left_wheel", "0 0.25 0") + wheel("right_wheel", "0 -0.25 0");
+  for (std::size_t at = 0; (at = wheels.find("radius='0.1'", at)) != std::string::npos; ++at)
+    wheels.replace(at, 12, "radius='0.08742'");
+  const Draft made = draft(body() + wheels + arm("base_link", "", "0 0 0.3"));
+  const config::LoadedRobot robot = load(made);
+  ASSERT_TRUE(robot.model->base.wheels) << made.text;
+  const Wheels& drafted = *robot.model->base.wheels;
+  EXPECT_NEAR(robot.model->base.max_linear, 1.04, 1e-9) << "12 rad/s give 1.0488 m/s";
+  EXPECT_LE(robot.model->base.max_linear, drafted.radius * drafted.max_speed);
+  for (const std::string& warning : robot.warnings) EXPECT_EQ(warning.find("max_linear"), std::string::npos) << warning;
+}
+
 TEST_F(DraftedBase, OfFourWheelsAndOfSteeredOnes) {
   const std::string four = wheel("fl_wheel", "0.2 0.3 0") + wheel("fr_wheel", "0.2 -0.3 0") +
                            wheel("bl_wheel", "-0.2 0.3 0") + wheel("br_wheel", "-0.2 -0.3 0");
