@@ -197,6 +197,11 @@ SQLite::Database open_database(const fs::path& file, Access access) {
     return db;
   } catch (const SQLite::Exception& error) {
     if (!there && access == Access::kCreate) remove_store(file);  // leave nothing half-made behind
+    if (access == Access::kReadOnly) remove_empty_wal(file);
+    if (error.getErrorCode() == SQLITE_CORRUPT)
+      throw unusable(file, fmt::format("is damaged so far that it cannot be opened, as a copy that was cut off is; "
+                                       "another copy of it is needed (SQLite: {})",
+                                       error.what()));
     throw explain(error, file, Kind::kUnusable);
   }
 }

@@ -219,7 +219,14 @@ std::optional<LoneTrial> Reader::lone_trial(const std::string& key) const {
 std::vector<std::string> Reader::integrity_problems() const {
   return guarded([&] {
     const auto look = [this] {
-      std::vector<std::string> findings = rows<std::string>(db(), "PRAGMA integrity_check");
+      std::vector<std::string> findings;
+      try {
+        for_rows<std::string>(db(), "PRAGMA integrity_check",
+                              [&](const std::string& finding) { findings.push_back(finding); });
+      } catch (const SQLite::Exception& error) {  // ends what it found where a page keeps it from going on
+        if (error.getErrorCode() != SQLITE_CORRUPT || findings.empty()) throw;
+        findings.emplace_back(error.what());
+      }
       std::erase(findings, "ok");
       return findings;
     };
@@ -230,6 +237,7 @@ std::vector<std::string> Reader::integrity_problems() const {
                      "cannot be read: two looks at its pages found different things (does the disk or the memory "
                      "fail?)");
     }
+    if (!problems.empty()) return problems;  // references through such pages end in SQLite's error, without these
     for_rows<std::string, std::string>(
         db(), "SELECT \"table\", parent FROM pragma_foreign_key_check",
         [&](const std::string& table, const std::string& parent) {

@@ -100,6 +100,24 @@ TEST_F(CliBadInput, MetricsThatARunRefuses) {
   }
 }
 
+TEST_F(CliBadInput, DamagedStores) {
+  good({"run", "suite.yaml", "-o", "a.db", "-q"});
+  fs::copy_file(path("a.db"), path("page.db"));
+  {
+    std::fstream file(path("page.db"), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(2 * 4096);
+    file.write("\0\0\0\0", 4);
+  }
+  const ProcessResult found = moma({"verify", "page.db"});
+  EXPECT_NE(found.code, 0);
+  EXPECT_NE(found.err.find("integrity: "), std::string::npos) << found.err;
+  EXPECT_NE(found.err.find("Page 3"), std::string::npos) << found.err;
+  fs::copy_file(path("a.db"), path("cut.db"));
+  fs::resize_file(path("cut.db"), fs::file_size(path("a.db")) / 2);
+  bad({"verify", "cut.db"}, {"cut.db: is damaged so far that it cannot be opened"});
+  bad({"query", "cut.db", "@summary"}, {"cut.db: is damaged so far that it cannot be opened"});
+}
+
 TEST_F(CliBadInput, DeepJson) {
   good({"run", "suite.yaml", "-o", "a.db", "-q"});
   const std::string deep = "[" + std::string(200000, '[');
