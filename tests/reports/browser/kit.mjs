@@ -251,6 +251,18 @@ export const saved = async (page, button) => {
   return page.evaluate(() => window.kept.text());
 };
 
+/** Moves over a figure, as a reader could, until a tooltip shows: the colour of its text; null where none does. */
+export const showTip = async (page, id) => {
+  await page.locator(`#${id}`).scrollIntoViewIfNeeded();
+  const box = await page.locator(`#${id} canvas`).boundingBox();
+  for (let k = 1; k < 200; ++k) {
+    await page.mouse.move(box.x + 80 + ((0.618 * k) % 1) * (box.width - 100), box.y + 40 + ((0.382 * k) % 1) * (box.height - 80));
+    const colour = await page.evaluate((figure) => [...document.querySelectorAll(`#${figure} .tip`)].map((tip) => getComputedStyle(tip)).find((style) => style.visibility === 'visible')?.color, id);
+    if (colour !== undefined) return colour;
+  }
+  return null;
+};
+
 /** The picture of the scene as it is seen: pixels as [r, g, b]. */
 export const picture = async (page) => {
   await drawn(page);

@@ -5,7 +5,7 @@ import { execFileSync, spawnSync } from 'node:child_process';
 import { existsSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { accessible, check, dataOf, end, figuresFollow, figuresStand, launch, near, noOverflow, opener, saved, workshop } from './kit.mjs';
+import { accessible, check, dataOf, end, figuresFollow, figuresStand, launch, near, noOverflow, opener, saved, showTip, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
@@ -153,18 +153,6 @@ const { context: first, page } = await open(demo, { idle: true });
   await page.locator('.segments').getByText('all worlds').click();
 }
 
-/** Moves over a figure, as a reader could, until a tooltip shows: the colour of its text; null where none does. */
-const showTip = async (page, id) => {
-  await page.locator(`#${id}`).scrollIntoViewIfNeeded();
-  const box = await page.locator(`#${id} canvas`).boundingBox();
-  for (let k = 1; k < 200; ++k) {
-    await page.mouse.move(box.x + 80 + ((0.618 * k) % 1) * (box.width - 100), box.y + 40 + ((0.382 * k) % 1) * (box.height - 80));
-    const colour = await page.evaluate((figure) => [...document.querySelectorAll(`#${figure} .tip`)].map((tip) => getComputedStyle(tip)).find((style) => style.visibility === 'visible')?.color, id);
-    if (colour !== undefined) return colour;
-  }
-  return null;
-};
-
 /** Clicks marks of a figure, as a reader could, until one does something; false where none does. */
 const clickMark = async (page, id) => {
   await page.locator(`#${id}`).scrollIntoViewIfNeeded();
@@ -232,19 +220,6 @@ const clickMark = async (page, id) => {
 }
 
 // ---- odd stores -------------------------------------------------------------------------------------------------------
-{
-  const html = makePage('hostile', 24);
-  const { context, page } = await open(html, { near: true });
-  await figuresFollow(page);
-  check((await page.title()).startsWith('</script><script>document.title="taken"</script>'), `hostile names are the title's text: ${await page.title()}`);
-  check((await page.locator('h1').innerText()).includes('</script><script>'), 'hostile suite shows as text');
-  check((await page.locator('.verdict h2').nth(1).innerText()) === 'quo"te\'s & <b>bold</b>', 'hostile controller shows as text');
-  check((await page.locator('.facts').innerText()).includes('机器人'), 'names that are not ASCII show');
-  check((await page.locator('#app b').allInnerTexts()).every((text) => text !== 'bold'), 'no markup from names');
-  check((await showTip(page, 'figure-outcomes')) !== null, 'hostile: a figure has a tooltip');
-  check((await page.evaluate(() => [...document.querySelectorAll('b')].some((b) => b.textContent === 'bold'))) === false, 'no markup in tooltips');
-  await context.close();
-}
 for (const [kind, worlds] of [['empty', 0], ['failures', 16]]) {
   const { context, page } = await open(makePage(kind, worlds), { near: true });
   await figuresFollow(page);

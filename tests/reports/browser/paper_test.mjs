@@ -1,84 +1,33 @@
 // The page on paper, and its figures' pixels: paper_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR
-// Saved figures go through a parser of XML and a renderer that is not the page's; prints are read back from the PDF.
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3, chromium, librsvg2-bin or poppler-utils are missing.
-import { execFileSync } from 'node:child_process';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { check, dataOf, drawn, end, figuresFollow, kPython, launch, near, needs, opener, saved, workshop } from './kit.mjs';
+import { check, dataOf, drawn, end, figuresFollow, launch, near, needs, opener, showTip, workshop } from './kit.mjs';
+import { figuresAreSaved, pixelsOf, run, textsOf } from './paper_kit.mjs';
 
 const [, , source, makeReport, work] = process.argv;
 needs('python3', 'rsvg-convert', 'pdftoppm', 'pdftotext', 'pdftocairo', 'pdfimages');
 const { makeStore, makePage, sql } = workshop(source, makeReport, work);
-const run = (program, ...args) => execFileSync(program, args, { maxBuffer: 1 << 28 });
 
-/** Pages of a PDF as pixels: width, height, rgb. Of all pages, or of one. */
-const pixelsOf = (pdf, dpi, page = 0) => {
-  const ppm = run('pdftoppm', '-r', String(dpi), ...(page > 0 ? ['-f', String(page), '-l', String(page)] : []), pdf);
-  const pages = [];
-  for (let at = 0; at < ppm.length;) {
-    const head = /^P6\s+(\d+)\s+(\d+)\s+255\s/.exec(ppm.subarray(at, at + 40).toString('latin1'));
-    const [width, height] = [Number(head[1]), Number(head[2])];
-    at += head[0].length;
-    pages.push({ width, height, rgb: ppm.subarray(at, at + 3 * width * height) });
-    at += 3 * width * height;
-  }
-  return pages;
-};
-/** The text of each page of a PDF. */
-const textsOf = (pdf) => run('pdftotext', '-layout', pdf, '-').toString().split('\f').slice(0, -1);
 const hexAt = ({ rgb }, i) => `#${rgb.subarray(3 * i, 3 * i + 3).toString('hex')}`;
 
 const browser = await launch(source);
 const open = opener(browser);
 
-// ---- saved figures: SVG that is XML, drawn by another renderer within its borders ---------------------------------------
-for (const [kind, ...more] of [['demo'], ['sweep', 0, '--search'], ['hostile']]) {
-  const { context, page } = await open(makePage(makeStore(kind, kind, kind === 'demo' ? 60 : 12, 2, ...more)), { near: true });
-  await figuresFollow(page);
-  const folder = join(work, `figures-${kind}`);
-  mkdirSync(folder);
-  const svgs = [];
-  for (const figure of await page.locator('.figure').all()) {
-    const button = figure.getByText('Save SVG');
-    if (!await button.isVisible()) continue;
-    svgs.push(join(folder, `${(await figure.getAttribute('id')).replace('figure-', '')}.svg`));
-    writeFileSync(svgs.at(-1), await saved(page, button));
-  }
-  await context.close();
-  check(svgs.length >= 7, `${kind}: ${svgs.length} figures`);
-  // Each program once for all figures of a page.
-  const noXml = run(kPython, '-c', 'import sys, xml.dom.minidom\nfor name in sys.argv[1:]:\n  try: xml.dom.minidom.parse(name)\n  except Exception as e: print(name, e)', ...svgs).toString();
-  check(noXml === '', `${kind}: not XML: ${noXml}`);
-  if (noXml !== '') continue;
-  const pdf = join(folder, 'librsvg.pdf');
-  run('rsvg-convert', '-f', 'pdf', '-o', pdf, ...svgs);
-  const images = pixelsOf(pdf, 72);
-  check(images.length === svgs.length, `${kind}: librsvg draws ${images.length} of ${svgs.length} figures`);
-  images.forEach((image, i) => {
-    let [ink, border] = [0, 0];
-    for (let y = 0; y < image.height; ++y) {
-      for (let x = 0; x < image.width; ++x) {
-        const k = 3 * (y * image.width + x);
-        if (image.rgb[k] > 235 && image.rgb[k + 1] > 235 && image.rgb[k + 2] > 235) continue;
-        ink += 1;
-        if (x < 1 || y < 1 || x >= image.width - 1 || y >= image.height - 1) border += 1;
-      }
-    }
-    check(ink > 300, `${kind}: ${svgs[i]} shows something (${ink} pixels)`);
-    check(border === 0, `${kind}: ${svgs[i]} is cut off at its border (${border} pixels)`);
-  });
-}
-
-// ---- the paired plot is square, and worlds in which one has no value are spread over its strips -----------------------------
+// ---- hostile names are text, on the screen and in saved figures --------------------------------------------------------------
 {
-  const svg = readFileSync(join(work, 'figures-demo/paired.svg'), 'utf8');
-  const [, x0, y0, x1, y1] = (/<path d="M([\d.]+) ([\d.]+)L([\d.]+) ([\d.]+)"[^>]*stroke-dasharray/.exec(svg) ?? []).map(Number);
-  check(near(x1 - x0, y0 - y1, 0.2) && x1 - x0 > 150, `equal values lie on a line at 45 degrees: from ${x0}, ${y0} to ${x1}, ${y1}`);
-  const dots = [...svg.matchAll(/transform="matrix\([\d.]+,0,0,[\d.]+,([\d.]+),([\d.]+)\)" fill="#(?!e3e0d8)/g)].map((m) => [Number(m[1]), Number(m[2])]);
-  const strip = dots.filter(([x, y]) => x < x0 - 1 || y > y0 + 1);
-  const across = strip.map(([x, y]) => (x < x0 - 1 ? x : y));
-  check(strip.length > 8 && new Set(across.map((v) => v.toFixed(1))).size > 0.8 * strip.length, `${strip.length} of ${dots.length} dots lie in the strips, at ${new Set(across.map((v) => v.toFixed(1))).size} places across`);
+  const html = makePage(makeStore('hostile', 'hostile', 24, 2));
+  const { context, page } = await open(html, { near: true });
+  await figuresFollow(page);
+  check((await page.title()).startsWith('</script><script>document.title="taken"</script>'), `hostile names are the title's text: ${await page.title()}`);
+  check((await page.locator('h1').innerText()).includes('</script><script>'), 'hostile suite shows as text');
+  check((await page.locator('.verdict h2').nth(1).innerText()) === 'quo"te\'s & <b>bold</b>', 'hostile controller shows as text');
+  check((await page.locator('.facts').innerText()).includes('机器人'), 'names that are not ASCII show');
+  check((await page.locator('#app b').allInnerTexts()).every((text) => text !== 'bold'), 'no markup from names');
+  check((await showTip(page, 'figure-outcomes')) !== null, 'hostile: a figure has a tooltip');
+  check((await page.evaluate(() => [...document.querySelectorAll('b')].some((b) => b.textContent === 'bold'))) === false, 'no markup in tooltips');
+  await figuresAreSaved(page, join(work, 'figures'), 'hostile');
+  await context.close();
 }
 
 // ---- the curve of arrivals is level where nobody arrives, at every pixel ratio ------------------------------------------
@@ -122,9 +71,7 @@ for (const [kind, ...more] of [['demo'], ['sweep', 0, '--search'], ['hostile']])
 
 // ---- print, from a dark screen, of a page that nobody has scrolled ------------------------------------------------------
 {
-  const html = join(work, 'demo.html');
-  const store = join(work, 'demo.db');
-  makePage(store);
+  const html = makePage(makeStore('demo', 'demo', 60, 2));
   const data = dataOf(html);
   const { context, page } = await open(html, { scheme: 'dark', width: 1440, webgl: true });
   const pdf = join(work, 'print.pdf');

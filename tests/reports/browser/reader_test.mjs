@@ -196,7 +196,7 @@ for (const [width, height] of [[1280, 900], [390, 844]]) {
     await page.emulateMedia({ colorScheme: scheme });
     await page.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, scheme);
     await drawn(page);
-    await accessible(page, source, `phone, ${scheme}`, { view: scheme === 'dark' });
+    await accessible(page, source, `phone, ${scheme}`, { view: true });   // page_test.mjs looks at the same elements on a wide screen
   }
   // On paper: as accessible as on the screen.
   await page.setViewportSize({ width: 800, height: 900 });

@@ -6,7 +6,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { deflateSync, inflateSync } from 'node:zlib';
 
-import { accessible, check, coloursOf, dataOf, drawn, end, kPython, launch, near, opener, packagesOf, picture, strip, workshop } from './kit.mjs';
+import { accessible, check, coloursOf, dataOf, drawn, end, kPython, launch, near, opener, packagesOf, picture, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
 const screenshots = process.env.MOMA_SCREENSHOTS;
@@ -15,6 +15,8 @@ const browser = await launch(source);
 const open = opener(browser);
 
 // ---- the page's own motions -------------------------------------------------------------------------------------------------------
+/** Scenes are built and moved, and drawn no more: for what is told in numbers. */
+const hideScene = (page) => page.addStyleTag({ content: '.stage { display: none !important; }' });
 /** Column of a replay's samples, decoded independently of the page. */
 const column = (replay, name) => {
   const planes = inflateSync(Buffer.from(replay.data, 'base64'));
@@ -269,7 +271,7 @@ const replayOnPhone = async (page, scheme) => {
 {
   const demo = makePage(makeStore('demo', 'demo', 60));
   const data = dataOf(demo);
-  const { context, page } = await open(demo, { width: 900, height: 640, scene: true });
+  const { context, page } = await open(demo, { width: 420, height: 500, scene: true });
   await page.locator('#failures').scrollIntoViewIfNeeded();
   await page.locator('.atlas .play').first().click();
   await page.waitForSelector('.stage-box[data-trial]');
@@ -304,7 +306,6 @@ const replayOnPhone = async (page, scheme) => {
   changed.replays[mapped].map = { cell: 0.05, hz: 4, looks: { n: 2, data: packed(Float32Array, [[0, 0, 0, 0], [0, 1, 0.8, 0.1]]) }, data: packed(Int16Array, [[0, 9, 1, -20, -20, 0, 40, 16, 16], [0, 1, 0, -20, 30, 0, 40, 16, 16], [1, 9, 1, -50, 0, 0, 16, 16, 16]]) };
   writeFileSync(bare, readFileSync(demo, 'utf8').replace(/(id="moma-data">).*?(<\/script)/s, (_, head, tail) => head + JSON.stringify(changed).replaceAll('<', '\\u003c') + tail));
   const seen = async (where) => {
-    await where.setViewportSize({ width: 420, height: 500 });
     await where.locator('.stage').scrollIntoViewIfNeeded();
     await tellAt(where, empty, data.replays[empty].trial, [0]);
     return picture(where);
@@ -319,7 +320,7 @@ const replayOnPhone = async (page, scheme) => {
   check(small.length === without.length && darker > 30, `the wheels are ${darker} pixels, of ${small.length} and ${without.length}`);
   await checkLayers(other.page, changed, mapped);
   await other.context.close();
-  await strip(page);
+  await hideScene(page);
   await checkTolerances(page, data, data.replays[empty], false, 1);
   // Any other signal of the samples on the same time line: as its numbers go, negative ones below the rest line.
   const height = () => page.locator('.timeline').evaluate((canvas) => canvas.clientHeight);
@@ -396,7 +397,7 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
   execFileSync(moma, ['run', suite, '-o', join(work, `${name}.db`), '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   execFileSync(moma, ['report', join(work, `${name}.db`), '-o', join(work, `${name}.html`)], { stdio: 'ignore' });
   const html = join(work, `${name}.html`);
-  const { context, page } = await open(html, { ratio: name === 'tiago' ? 1 : 2, scheme: name === 'rows' ? 'dark' : 'light', scene: name === 'frankie', webgl: name !== 'rows', ...(name === 'frankie' ? { width: 390, height: 844, touch: true } : {}) });
+  const { context, page } = await open(html, { ratio: name === 'tiago' ? 1 : 2, scheme: name === 'rows' ? 'dark' : 'light', scene: name === 'frankie', ...(name === 'frankie' ? { width: 390, height: 844, touch: true } : {}) });
   await page.locator('#replay').scrollIntoViewIfNeeded();
   // A robot whose URDF has visual meshes is shown as these, or as its shapes.
   const looks = Object.values(dataOf(html).looks);
@@ -429,7 +430,7 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
       await accessible(page, source, `replay on a phone, ${scheme}`, { parts: '#replay', view: scheme === 'dark' });
     }
   }
-  if (screenshots === undefined) await strip(page);
+  if (screenshots === undefined) await hideScene(page);
   await checkKinematics(page, dataOf(html));
   // Collision rows are the controller's own: the stored least distance and number of active constraints are theirs, and so is
   // what `moma solve` says of the same step.

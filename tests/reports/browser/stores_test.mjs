@@ -1,14 +1,15 @@
-// The pages of six kinds of stores, as a reader meets them: stores_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR MOMA
-// In three widths, light and dark, and on paper. What the tables say is compared with `moma query STORE @summary`.
-// Exit 0: passed; 1: failed; 77: left out, since node's packages, python3, chromium or poppler-utils are missing.
+// The pages of six kinds of stores, as a reader meets them: stores_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR [MOMA]
+// In three widths, light and dark, and on paper. With the program MOMA, what the tables say is compared with `moma query STORE @summary`.
+// Exit 0: passed; 1: failed; 77: left out, since node's packages, python3, chromium, librsvg2-bin or poppler-utils are missing.
 import { execFileSync } from 'node:child_process';
 import { statSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { check, end, figuresFollow, launch, legible, needs, noOverflow, noteLetters, opener, workshop } from './kit.mjs';
+import { figuresAreSaved, pairedIsSquare, textsOf } from './paper_kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
-needs('python3', 'pdftotext');
+needs('python3', 'pdftotext', 'pdftoppm', 'rsvg-convert');
 const { makeErrors, makeStore, makePage } = workshop(source, makeReport, work);
 const browser = await launch(source);
 const open = opener(browser);
@@ -86,16 +87,19 @@ for (const [kind, { store, most }] of Object.entries(kinds)) {
       else check(/^[A-Z].*\.$/.test(figure.empty), `${what}: ${figure.id} says why it is empty: ${figure.empty}`);
     }
   }
-  await equalsProgram(page, db, kind);
+  if (moma !== undefined) await equalsProgram(page, db, kind);
   const nodes = await page.evaluate(() => document.querySelectorAll('*').length);
   check(nodes < most.nodes, `${kind}: ${nodes} elements`);
   const words = await page.locator('#app').innerText();
   check(!/NaN|undefined|\[object/.test(words), `${kind}: ${/.{0,40}(NaN|undefined|\[object).{0,40}/.exec(words)?.[0]}`);
   if (kind === 'errors') check(/ended by an error; they count as failed/.test(words) && /without errors/.test(words), 'errors are told, and the rate without them');
-  if (kind !== 'demo') {   // which paper_test.mjs prints
+  const saved = join(work, `figures-${kind}`);
+  if (kind === 'demo' || kind === 'sweep') await figuresAreSaved(page, saved, kind);
+  if (kind === 'demo') pairedIsSquare(join(saved, 'paired.svg'));
+  else {   // that one is printed by paper_test.mjs
     const pdf = join(work, `${kind}.pdf`);
     await page.pdf({ path: pdf, format: 'A4' });
-    const sheets = execFileSync('pdftotext', ['-layout', pdf, '-'], { encoding: 'utf8', maxBuffer: 1 << 26 }).split('\f').slice(0, -1);
+    const sheets = textsOf(pdf);
     const print = sheets.join('\n');
     check(sheets.length < 25 && sheets.every((text) => text.trim() !== ''), `${kind}: a print of ${sheets.length} sheets, none of them empty`);
     for (const part of ['Results', 'Failures', 'Replay', 'Provenance']) check(print.includes(part), `${kind}: the print has ${part}`);
