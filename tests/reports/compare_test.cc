@@ -19,22 +19,15 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 OrderedJson cell(const OrderedJson& page, const char* column, std::size_t row) {
-  const OrderedJson& all = page.at("trials").at("columns").at(column);
-  if (all.is_array()) return all.at(row);
-  const int code = all.at("codes").at(row).get<int>();
-  return code < 0 ? OrderedJson(nullptr) : all.at("values").at(static_cast<std::size_t>(code));
-}
-
-void edit_store(const std::filesystem::path& db, const std::string& sql) {
-  SQLite::Database(db.string(), SQLite::OPEN_READWRITE).exec(sql);
+  return page_cell(page.at("trials").at("columns").at(column), row);
 }
 
 /// Two stores of the same worlds; the second's trials are faster, and it is of another suite where asked.
 Stores two(const Folder& folder, bool other_suite) {
   make_store(folder / "before.db", "demo", 12);
   make_store(folder / "after.db", "demo", 12);
-  edit_store(folder / "after.db", "UPDATE trial SET time_to_goal_s = time_to_goal_s - 1");
-  if (other_suite) edit_store(folder / "after.db", "UPDATE suite SET name = 'later', file_name = 'later'");
+  change(folder / "after.db", "UPDATE trial SET time_to_goal_s = time_to_goal_s - 1");
+  if (other_suite) change(folder / "after.db", "UPDATE suite SET name = 'later', file_name = 'later'");
   return {folder / "before.db", folder / "after.db"};
 }
 
@@ -91,8 +84,8 @@ INSTANTIATE_TEST_SUITE_P(Stores, Compared, testing::Bool(),
 TEST(CompareStores, ControllersOfOneStoreKeepTheirNames) {
   const Folder folder;
   two(folder, false);
-  edit_store(folder / "after.db",
-             "UPDATE point SET controller = controller || '-2', controller_name = controller_name || '-2'");
+  change(folder / "after.db",
+         "UPDATE point SET controller = controller || '-2', controller_name = controller_name || '-2'");
   std::set<std::string> names;
   const OrderedJson page = read_stores({folder / "before.db", folder / "after.db"}, {});
   for (const OrderedJson& point : page.at("points")) {

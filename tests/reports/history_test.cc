@@ -19,17 +19,10 @@ namespace {
 
 using nlohmann::json;
 
-void change(const std::filesystem::path& db, const std::string& sql) {
-  SQLite::Database(db.string(), SQLite::OPEN_READWRITE).exec(sql);
-}
-
 TEST(Invocations, BringTheirEstimatesOfRisk) {
   const Folder folder;
   make_store(folder / "a.db", "demo", 2);
-  const auto risk = [&] {
-    write_report({folder / "a.db"}, folder / "a.html");
-    return data_of(read_file(folder / "a.html")).at("invocations").at(0).at("risk");
-  };
+  const auto risk = [&] { return page_of({folder / "a.db"}).at("invocations").at(0).at("risk"); };
   EXPECT_EQ(risk(), json(nullptr));
   change(folder / "a.db", R"(UPDATE invocation SET risk = '[{"controller": "moma", "p": 5.3e-5}]')");
   EXPECT_EQ(risk(), json::parse(R"([{"controller": "moma", "p": 5.3e-5}])"));
@@ -46,8 +39,7 @@ TEST(History, StoresOfOneSuiteStandSideBySide) {
          "UPDATE resolved_suite SET resolved = json_set(resolved, '$.notes', 'since *June*');"
          "UPDATE controller SET resolved = json_set(resolved, '$.lambda_q', 0.02)"
          "  WHERE id = (SELECT controller_id FROM point WHERE controller = 'moma');");
-  write_report({folder / "june.db", folder / "march.db"}, folder / "a.html");
-  const json page = data_of(read_file(folder / "a.html"));
+  const json page = page_of({folder / "june.db", folder / "march.db"});
   ASSERT_EQ(page.at("points").size(), 4u);
   const auto lambda = [&](const std::string& controller, const std::string& store) -> double {
     for (const json& point : page.at("points"))
@@ -110,8 +102,7 @@ TEST(RunState, OnlyTheLatestRunMayBeAtWork) {
          "CREATE TEMP TABLE one AS SELECT * FROM invocation; UPDATE one SET id = 2;"
          "INSERT INTO invocation SELECT * FROM one; UPDATE invocation SET status = 'running';");
   const auto writers = [&] {
-    write_report({folder / "a.db"}, folder / "a.html");
-    const json page = data_of(read_file(folder / "a.html"));
+    const json page = page_of({folder / "a.db"});
     std::string text;
     for (const json& run : page.at("invocations")) text += run.at("writer").get<std::string>() + ";";
     return text;
@@ -123,8 +114,7 @@ TEST(RunState, OnlyTheLatestRunMayBeAtWork) {
   ASSERT_TRUE(run.held());
   EXPECT_EQ(writers(), "at work;gone;");
   change(folder / "a.db", "UPDATE invocation SET status = 'finished'");
-  write_report({folder / "a.db"}, folder / "a.html");
-  EXPECT_FALSE(data_of(read_file(folder / "a.html")).at("invocations").at(0).contains("writer"));
+  EXPECT_FALSE(page_of({folder / "a.db"}).at("invocations").at(0).contains("writer"));
 }
 
 }  // namespace

@@ -24,24 +24,16 @@ json cell_of(const SQLite::Column& cell) {
   return cell.getString();
 }
 
-/// Value of a trial's column in the page.
-json page_cell(const json& column, std::size_t row) {
-  if (column.is_array()) return column.at(row);
-  const int code = column.at("codes").at(row).get<int>();
-  return code < 0 ? json(nullptr) : column.at("values").at(static_cast<std::size_t>(code));
-}
-
-json page_of(const Folder& folder, const std::string& kind, int worlds) {
+json page_of_kind(const Folder& folder, const std::string& kind, int worlds) {
   make_store(folder / "a.db", kind, worlds);
-  write_report({folder / "a.db"}, folder / "a.html");
-  return data_of(read_file(folder / "a.html"));
+  return page_of({folder / "a.db"});
 }
 
 class PageEqualsStore : public testing::TestWithParam<const char*> {};
 
 TEST_P(PageEqualsStore, EveryCellOfTrials) {
   const Folder folder;
-  const json page = page_of(folder, GetParam(), 10);
+  const json page = page_of_kind(folder, GetParam(), 10);
   const json& columns = page.at("trials").at("columns");
   SQLite::Database store((folder / "a.db").string());
   std::map<std::string, std::size_t> place;
@@ -75,7 +67,7 @@ TEST_P(PageEqualsStore, EveryCellOfTrials) {
 
 TEST_P(PageEqualsStore, EveryCellOfTheSummary) {
   const Folder folder;
-  const json page = page_of(folder, GetParam(), 10);
+  const json page = page_of_kind(folder, GetParam(), 10);
   SQLite::Database store((folder / "a.db").string());
   SQLite::Statement query(store, "SELECT * FROM v_summary");
   std::size_t rows = 0;
@@ -93,17 +85,13 @@ INSTANTIATE_TEST_SUITE_P(Stores, PageEqualsStore, testing::Values("demo", "one",
 TEST(PageData, TrialsThatEndByAnErrorDidNotSucceed) {
   const Folder folder;
   make_store(folder / "a.db", "demo", 20);
-  {
-    SQLite::Database store((folder / "a.db").string(), SQLite::OPEN_READWRITE);
-    for (const std::string table : {"trial", "point_trial"}) {
-      store.exec("UPDATE " + table + " SET outcome = 'success' WHERE outcome = 'error'");
-      store.exec("UPDATE " + table +
-                 " SET outcome = 'error' WHERE key IN (SELECT m.key FROM point_trial AS m JOIN point AS p "
-                 "ON p.id = m.point_id WHERE p.controller = 'moma' OR m.world_index < 4)");
-    }
+  for (const std::string table : {"trial", "point_trial"}) {
+    change(folder / "a.db",
+           "UPDATE " + table + " SET outcome = 'success' WHERE outcome = 'error'; UPDATE " + table +
+               " SET outcome = 'error' WHERE key IN (SELECT m.key FROM point_trial AS m JOIN point AS p "
+               "ON p.id = m.point_id WHERE p.controller = 'moma' OR m.world_index < 4)");
   }
-  write_report({folder / "a.db"}, folder / "a.html");
-  const json page = data_of(read_file(folder / "a.html"));
+  const json page = page_of({folder / "a.db"});
   for (const json& row : page.at("overall")) {
     const bool never = row.at("controller") == "moma";
     EXPECT_EQ(row.at("n"), 20);
@@ -124,16 +112,12 @@ TEST(PageData, TrialsThatEndByAnErrorDidNotSucceed) {
 TEST(PageData, MetricsOfASuiteStandBesideMomas) {
   const Folder folder;
   make_store(folder / "a.db", "demo", 12);
-  {
-    SQLite::Database store((folder / "a.db").string(), SQLite::OPEN_READWRITE);
-    store.exec(
-        "INSERT INTO metric (id, name, file_name, expression) VALUES (1, 'jitter', 'jitter', 'max(t)'), "
-        "(2, 'steps', 'steps', 'count(*)'); "
-        "INSERT INTO metric_value SELECT 1, key, position_error_m FROM trial; "
-        "INSERT INTO metric_value SELECT 2, key, NULL FROM trial");
-  }
-  write_report({folder / "a.db"}, folder / "a.html");
-  const json page = data_of(read_file(folder / "a.html"));
+  change(folder / "a.db",
+         "INSERT INTO metric (id, name, file_name, expression) VALUES (1, 'jitter', 'jitter', 'max(t)'), "
+         "(2, 'steps', 'steps', 'count(*)'); "
+         "INSERT INTO metric_value SELECT 1, key, position_error_m FROM trial; "
+         "INSERT INTO metric_value SELECT 2, key, NULL FROM trial");
+  const json page = page_of({folder / "a.db"});
   std::vector<std::string> own;
   for (const json& metric : page.at("metrics"))
     if (metric.contains("own")) own.push_back(metric.at("key"));
@@ -156,13 +140,12 @@ TEST(PageData, MetricsOfASuiteStandBesideMomas) {
 
 TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {
   const Folder folder;
-  const json whole = page_of(folder, "demo", 40);
+  const json whole = page_of_kind(folder, "demo", 40);
   EXPECT_EQ(whole.at("trials").at("n"), 80);
   EXPECT_EQ(whole.at("trials").at("stored"), 80);
   ReportOptions options;
   options.trials = 31;  // two points: 15 worlds
-  write_report({folder / "a.db"}, folder / "part.html", options);
-  const json part = data_of(read_file(folder / "part.html"));
+  const json part = page_of({folder / "a.db"}, options);
   EXPECT_EQ(part.at("trials").at("n"), 30);
   EXPECT_EQ(part.at("trials").at("stored"), 80);
   EXPECT_EQ(part.at("trials").at("worlds"), 15);
@@ -188,7 +171,7 @@ TEST(PageData, ManyTrialsAreShownByTheirFirstWorlds) {
 
 TEST(PageData, OverallRatesByHand) {
   const Folder folder;
-  const json page = page_of(folder, "demo", 40);
+  const json page = page_of_kind(folder, "demo", 40);
   SQLite::Database store((folder / "a.db").string());
   ASSERT_EQ(page.at("overall").size(), 2u);
   for (const json& row : page.at("overall")) {
@@ -224,7 +207,7 @@ TEST(PageData, OverallRatesByHand) {
 
 TEST(PageData, RatesAtTheirEnds) {
   const Folder folder;
-  const json page = page_of(folder, "failures", 12);
+  const json page = page_of_kind(folder, "failures", 12);
   for (const json& row : page.at("overall")) {
     EXPECT_EQ(row.at("success_rate"), 0.0);
     EXPECT_EQ(row.at("success_low"), 0.0);
@@ -236,7 +219,7 @@ TEST(PageData, RatesAtTheirEnds) {
 
 TEST(PageData, EveryCellOfATuning) {
   const Folder folder;
-  const json page = page_of(folder, "tuned", 4);
+  const json page = page_of_kind(folder, "tuned", 4);
   ASSERT_EQ(page.at("tuning").size(), 1u);
   const json& search = page.at("tuning").at(0);
   SQLite::Database store((folder / "a.db").string());
@@ -264,7 +247,7 @@ TEST(PageData, EveryCellOfATuning) {
 
 TEST(PageData, DifficultyAndMissesComeWithEachTrial) {
   const Folder folder;
-  const json page = page_of(folder, "demo", 16);
+  const json page = page_of_kind(folder, "demo", 16);
   const json& columns = page.at("trials").at("columns");
   SQLite::Database store((folder / "a.db").string());
   SQLite::Statement query(store,

@@ -198,8 +198,7 @@ TEST(Replays, TheWorstOfEachKindComeFirst) {
                         .getInt();
   ReportOptions options;
   options.replays = kinds;
-  write_report({folder / "a.db"}, folder / "a.html", options);
-  const nlohmann::json data = data_of(read_file(folder / "a.html"));
+  const nlohmann::json data = page_of({folder / "a.db"}, options);
   ASSERT_EQ(data.at("replays").size(), static_cast<std::size_t>(kinds));
   EXPECT_EQ(data.at("robots").size(), 1u);
   std::set<std::string> seen;
@@ -225,8 +224,7 @@ TEST(Replays, NoneWhenNoneAreWanted) {
   make_store(folder / "a.db", "demo", 20);
   ReportOptions options;
   options.replays = 0;
-  write_report({folder / "a.db"}, folder / "a.html", options);
-  const nlohmann::json data = data_of(read_file(folder / "a.html"));
+  const nlohmann::json data = page_of({folder / "a.db"}, options);
   EXPECT_TRUE(data.at("replays").empty());
   EXPECT_GT(data.at("samples_stored"), 0);
 }

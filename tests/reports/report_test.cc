@@ -71,8 +71,7 @@ TEST(Report, EscapesAnyBytes) {
 TEST(Report, EmptyStoreGivesAPage) {
   const Folder folder;
   make_store(folder / "a.db", "empty", 0);
-  write_report({folder / "a.db"}, folder / "a.html");
-  const nlohmann::json data = data_of(read_file(folder / "a.html"));
+  const nlohmann::json data = page_of({folder / "a.db"});
   EXPECT_EQ(data.at("trials").at("n"), 0);
   EXPECT_TRUE(data.at("summary").empty());
 }
@@ -84,8 +83,7 @@ TEST(Report, RunningStoreIsReadAsItWasAtOneMoment) {
   SQLite::Transaction pending(writer);
   writer.exec("DELETE FROM samples");
   writer.exec("UPDATE trial SET outcome = 'error'");
-  write_report({folder / "a.db"}, folder / "a.html");
-  const nlohmann::json data = data_of(read_file(folder / "a.html"));
+  const nlohmann::json data = page_of({folder / "a.db"});
   EXPECT_EQ(data.at("trials").at("n"), 20);
   EXPECT_GT(data.at("samples_stored"), 0);
   EXPECT_GT(data.at("overall").at(0).at("success_rate"), 0.0);
@@ -117,7 +115,7 @@ TEST(Report, RefusesOtherSchemas) {
   const Folder folder;
   make_store(folder / "a.db", "empty", 0);
   const auto set_version = [&](const std::string& version) {
-    SQLite::Database((folder / "a.db").string(), SQLite::OPEN_READWRITE).exec("PRAGMA user_version = " + version);
+    change(folder / "a.db", "PRAGMA user_version = " + version);
   };
   set_version("99");
   expect_refused(folder / "a.db", folder / "a.html", "a newer moma wrote this store (schema 99");
@@ -128,7 +126,7 @@ TEST(Report, RefusesOtherSchemas) {
 TEST(Report, DamagedSamplesNameTheTrial) {
   const Folder folder;
   make_store(folder / "a.db", "one", 1);
-  SQLite::Database((folder / "a.db").string(), SQLite::OPEN_READWRITE).exec("UPDATE samples SET data = x'0102'");
+  change(folder / "a.db", "UPDATE samples SET data = x'0102'");
   expect_refused(folder / "a.db", folder / "a.html", "samples");
   EXPECT_FALSE(std::filesystem::exists(folder / "a.html"));
 }

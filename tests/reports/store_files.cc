@@ -1,5 +1,6 @@
 #include "tests/reports/store_files.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -52,6 +53,16 @@ nlohmann::json data_of(const std::string& html) {
   const std::size_t start = from + open.size();
   // What a browser does: the block ends at the first end tag.
   return nlohmann::json::parse(html.substr(start, html.find("</script", start) - start));
+}
+
+nlohmann::json page_of(const Stores& stores, const ReportOptions& options) {
+  const std::filesystem::path html = stores.front().parent_path() / "page.html";
+  write_report(stores, html, options);
+  return data_of(read_file(html));
+}
+
+void change(const std::filesystem::path& db, const std::string& sql) {
+  SQLite::Database(db.string(), SQLite::OPEN_READWRITE).exec(sql);
 }
 
 }  // namespace moma::reports

@@ -123,8 +123,7 @@ TEST(View, ServesThePageItsDataAndAMotion) {
   const auto answer = client.Get("/data.json");
   ASSERT_TRUE(answer);
   const json data = json::parse(answer->body);
-  write_report({folder / "a.db"}, folder / "a.html");
-  const json written = data_of(read_file(folder / "a.html"));
+  const json written = page_of({folder / "a.db"});
   for (const char* part : {"trials", "summary", "overall", "points", "invocations", "tuning"}) {
     EXPECT_EQ(data.at(part), written.at(part)) << part;
   }
@@ -411,12 +410,9 @@ TEST(View, ARequestHasABoundedLength) {
 TEST(View, AStoreWithoutEndIsGivenUp) {
   const Folder folder;
   make_store(folder / "a.db", "demo", 3);
-  {
-    SQLite::Database db((folder / "a.db").string(), SQLite::OPEN_READWRITE);
-    db.exec(
-        "DROP VIEW v_summary; CREATE VIEW v_summary AS WITH RECURSIVE c (x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM "
-        "c) SELECT x AS suite, x AS robot, x AS controller, x AS point, x AS family, x AS mode, x AS n FROM c");
-  }
+  change(folder / "a.db",
+         "DROP VIEW v_summary; CREATE VIEW v_summary AS WITH RECURSIVE c (x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM "
+         "c) SELECT x AS suite, x AS robot, x AS controller, x AS point, x AS family, x AS mode, x AS n FROM c");
   ReportOptions options;
   options.patience = std::chrono::milliseconds(300);
   try {

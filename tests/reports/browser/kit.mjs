@@ -153,12 +153,11 @@ const asNear = () => {
 /**
  * Opens a page and notes everything it must not do. The replay's scene is a strip unless `scene` asks for what readers see, and drawn with `webgl` alone. `idle`: figures that nobody has looked at are drawn, too, when nothing else is to do. `near`: at once. `init` runs in the page before its own script.
  */
-export const opener = (browser) => async (html, { width = 1280, height = 900, hash = '', scheme = 'light', ratio = 1, touch = false, served = false, scene = process.env.MOMA_SCREENSHOTS !== undefined, webgl = scene, idle = false, near: close = false, init, allowed = () => false } = {}) => {
+export const opener = (browser) => async (html, { width = 1280, height = 900, hash = '', scheme = 'light', ratio = 1, touch = false, served = false, scene = false, webgl = scene, idle = false, near: close = false, init, allowed = () => false } = {}) => {
   const context = await browser.newContext({ viewport: { width, height }, deviceScaleFactor: ratio, hasTouch: touch, offline: !served, colorScheme: scheme, reducedMotion: 'reduce', acceptDownloads: true });
   await context.exposeFunction('drawsNoFrame', beginAnew);
   await context.addInitScript(watchFrames);
-  if (!webgl) await context.addInitScript(withoutWebGL);
-  else if (process.env.MOMA_SCREENSHOTS === undefined) await context.addInitScript(withoutSmoothing);
+  await context.addInitScript(webgl ? withoutSmoothing : withoutWebGL);
   if (!scene) await context.addInitScript(`addEventListener('DOMContentLoaded', ${asStrip})`);
   if (!idle) await context.addInitScript(() => { window.requestIdleCallback = () => 0; });
   if (close) await context.addInitScript(asNear);

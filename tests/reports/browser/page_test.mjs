@@ -1,5 +1,5 @@
 // The report page in a real browser, offline: page_test.mjs SOURCE_DIR MAKE_REPORT WORK_DIR [MOMA]
-// With the program MOMA, also pages of trials that it simulates. MOMA_SCREENSHOTS=DIR writes screenshots there.
+// With the program MOMA, also pages of trials that it simulates.
 // Exit 0: passed; 1: failed; 77: left out, since node's packages, python3 or chromium are missing.
 import { execFileSync, spawnSync } from 'node:child_process';
 import { existsSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -8,7 +8,6 @@ import { join } from 'node:path';
 import { accessible, check, dataOf, end, figuresFollow, figuresStand, launch, near, noOverflow, opener, saved, showTip, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
-const screenshots = process.env.MOMA_SCREENSHOTS;
 const { makeStore, makePage: pageOf, sql } = workshop(source, makeReport, work);
 const makePage = (kind, worlds) => pageOf(makeStore(kind, kind, worlds, kind === 'demo' ? 8 : 2));
 const browser = await launch(source);
@@ -323,14 +322,5 @@ if (moma !== undefined) {
   await context.close();
 }
 
-if (screenshots !== undefined) {
-  for (const [width, scheme] of [[1280, 'light'], [1280, 'dark'], [390, 'light']]) {
-    const { context, page } = await open(demo, { width, scheme, near: true });
-    await figuresFollow(page);
-    await page.waitForTimeout(800);
-    await page.screenshot({ path: join(screenshots, `report-${width}-${scheme}.png`), fullPage: true });
-    await context.close();
-  }
-}
 await browser.close();
 end('the page');

@@ -9,7 +9,6 @@ import { deflateSync, inflateSync } from 'node:zlib';
 import { accessible, check, coloursOf, dataOf, drawn, end, kPython, launch, near, opener, packagesOf, picture, workshop } from './kit.mjs';
 
 const [, , source, makeReport, work, moma] = process.argv;
-const screenshots = process.env.MOMA_SCREENSHOTS;
 const { makeStore, makePage, sql } = workshop(source, makeReport, work);
 const browser = await launch(source);
 const open = opener(browser);
@@ -415,7 +414,6 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
     check(plain !== seen, `${name}: as shapes ${plain} triangles, else ${seen}`);
     await switched.click();
     check((await triangles()) === seen, `${name}: and back`);
-    if (screenshots !== undefined) await page.locator('.replay').screenshot({ path: join(screenshots, 'replay-meshes.png') });
   }
   check(dataOf(html).replays.length === 3, `${name}: all trials can be played`);
   if (name === 'frankie') {
@@ -430,7 +428,7 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
       await accessible(page, source, `replay on a phone, ${scheme}`, { parts: '#replay', view: scheme === 'dark' });
     }
   }
-  if (screenshots === undefined) await hideScene(page);
+  await hideScene(page);
   await checkKinematics(page, dataOf(html));
   // Collision rows are the controller's own: the stored least distance and number of active constraints are theirs, and so is
   // what `moma solve` says of the same step.
@@ -461,7 +459,6 @@ for (const [name, robot, family, seed, controller] of moma === undefined ? [] : 
     await checkTolerances(page, dataOf(html), dataOf(html).replays[0], true, 2);
   }
   check(seen > 5 && active > 0, `${name}: ${seen} distances compared, ${active} active rows`);
-  if (screenshots !== undefined) await page.locator('.replay').screenshot({ path: join(screenshots, `replay-${name}.png`) });
   await context.close();
 }
 
