@@ -12,15 +12,6 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-Texts suites_of(const Json& page) {
-  Texts names;
-  for (const Json& point : page.at("points")) {
-    const std::string name = point.at("suite");
-    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-  }
-  return names;
-}
-
 /// Common name of all stores' suites; empty if their own names stay.
 std::string common_suite(const std::vector<Json>& pages) {
   Texts names;
@@ -116,6 +107,15 @@ Json joined_trials(const std::vector<Json>& pages, const std::vector<Names>& nam
 }
 
 }  // namespace
+
+Texts suites_of(const Json& page) {
+  Texts names;
+  for (const Json& point : page.at("points")) {
+    const std::string name = point.at("suite");
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
 
 Json combined(std::vector<Json> pages, const Texts& labels) {
   const std::vector<Names> names = new_names(pages, labels);

@@ -1,24 +1,20 @@
 #include "reports/render/html.h"
 
+#include <fmt/format.h>
+
 #include <map>
-#include <set>
+#include <vector>
 
 #include "reports/render/assets.h"
+#include "reports/render/page_data.h"
 
 namespace moma::reports {
 namespace {
 
 /// "frankie-clutter", or the names of all suites.
 std::string title(const Json& page) {
-  std::set<std::string> seen;
-  std::string names;
-  for (const Json& point : page.at("points")) {
-    const std::string suite = point.at("suite").get<std::string>();
-    if (!seen.insert(suite).second) continue;
-    if (!names.empty()) names += ", ";
-    names += suite;
-  }
-  return names.empty() ? page.at("store").at("file").get<std::string>() : names;
+  const std::vector<std::string> suites = suites_of(page);
+  return suites.empty() ? page.at("store").at("file").get<std::string>() : fmt::format("{}", fmt::join(suites, ", "));
 }
 
 /// The text with each character that `names` has replaced by its name.

@@ -31,6 +31,9 @@ class TrialColumn {
 /// reports/sql give them; trials by column, texts as codes into a list; infinities as "inf" and "-inf".
 Json page_data(SQLite::Database& store, const ReportOptions& options);
 
+/// The names of a page's suites, each once.
+std::vector<std::string> suites_of(const Json& page);
+
 /// Combines the pages of several stores, so that their controllers stand side by side. If each store has one suite, the
 /// combined page has one; otherwise suites with the same name are joined. A controller in several stores becomes "NAME
 /// (STORE)". Rows of invocations, points, summaries, trials and replays name their store. `labels`: distinct names of

@@ -15,7 +15,7 @@ echarts.use([
 
 export type Option = Record<string, unknown>;
 
-export interface Drawing {
+interface Drawing {
   option: Option;
   /** Evidence behind the figure: number of trials, kind of interval. */
   note: string;
@@ -120,7 +120,7 @@ export function shareAxis(p: Palette, interval: number, more: Option = {}): Opti
 }
 
 /** A row of rowAxis(): its series, and its family of worlds where there are several. */
-export interface AxisRow { name: string; family?: string }
+interface AxisRow { name: string; family?: string }
 
 /** Height of a line of a row's name in a narrow plot [px]. */
 const kLine = 14;
@@ -195,6 +195,11 @@ export function whiskers(data: readonly (readonly number[])[], colour: string | 
       return { type: 'line', shape: { x1, y1, x2, y2 }, style: { stroke: typeof colour === 'string' ? colour : colour(params.dataIndex), lineWidth: width } };
     },
   };
+}
+
+/** What is named `name` in bars of several parts. */
+export function barPart(p: Palette, name: string, colour: string): Option {
+  return { name, type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%', emphasis: { disabled: true }, itemStyle: { color: colour, borderColor: p.surface, borderWidth: 1 } };
 }
 
 /** A broken straight line to compare marks with. */
@@ -322,7 +327,7 @@ export function smallMultiples(width: number, parts: readonly { title: string; c
 }
 
 /** Groups of marks that share their axes. */
-export interface Plots {
+interface Plots {
   groups: readonly { short: string; mark: number }[];
   /** Marks of more groups hide each other: each group is then drawn in a plot of its own. */
   most: number;

@@ -22,7 +22,7 @@ export function contrast(a: string, b: string): number {
   return (high + 0.05) / (low + 0.05);
 }
 
-export function mix(a: string, b: string, share: number): string {
+function mix(a: string, b: string, share: number): string {
   const [from, to] = [rgb(a), rgb(b)];
   return hex(from.map((v, i) => v + share * ((to[i] ?? v) - v)) as Rgb);
 }

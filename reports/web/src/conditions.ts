@@ -6,13 +6,12 @@ import * as state from './state';
 
 export interface Condition {
   key: string;
-  name: string;
   /** Distinct values in the order of the points, as JSON. */
   values: string[];
 }
 
 /** Keys of a controller: their values are candidates to choose from. */
-export function isGain(key: string): boolean {
+function isGain(key: string): boolean {
   return /^controllers?\./.test(key);
 }
 
@@ -30,7 +29,7 @@ function valueOf(point: PointInfo, key: string): string {
 export function conditions(model: Model, slice: Slice): Condition[] {
   const points = model.page.points.filter((p) => inSlice(p, slice));
   const keys = [...new Set(points.flatMap((p) => Object.keys(p.params)))].filter((key) => !isGain(key));
-  return keys.map((key) => ({ key, name: key, values: [...new Set(points.map((p) => valueOf(p, key)))] })).filter((c) => c.values.length > 1);
+  return keys.map((key) => ({ key, values: [...new Set(points.map((p) => valueOf(p, key)))] })).filter((c) => c.values.length > 1);
 }
 
 /** True if the points of a controller differ, and only in conditions. */

@@ -55,7 +55,7 @@ export interface PointInfo {
   disturbances: Record<string, unknown>;
 }
 
-export interface Invocation {
+interface Invocation {
   suite: string; started: string; ended: string | null; status: string; arguments: string[];
   moma_version: string; git_commit: string | null; git_dirty: number | null; build_type: string;
   compiler: string; compiler_flags: string; libraries: Record<string, string>; host: string; os: string;
@@ -361,7 +361,7 @@ function valuesOnly(labels: readonly string[]): ((label: string) => string) | nu
   return namedBy(labels) === '' ? null : (label) => label.split(' ').map((part) => part.slice(part.indexOf('=') + 1)).join(', ');
 }
 
-export function seriesName(controller: string, point: string): string {
+function seriesName(controller: string, point: string): string {
   return point === '' ? controller : `${controller} \u00b7 ${point}`;
 }
 

@@ -2,7 +2,7 @@
 
 const kThin = '\u202f';
 const kMinus = '\u2212';
-export const kNone = '\u2013';
+const kNone = '\u2013';
 
 export function integer(value: number): string {
   if (!Number.isFinite(value)) return kNone;

@@ -18,7 +18,7 @@ function release(): void {
 let changes: ResizeObserver | null = null;
 
 /** Scrolls to an element and keeps it there, whatever changes its height above, until the reader scrolls, clicks or types. */
-export function goTo(element: Element | null): void {
+function goTo(element: Element | null): void {
   if (element === null) return;
   if (changes === null) {
     changes = new ResizeObserver(align);

@@ -39,14 +39,14 @@ export function set(changes: Record<string, string>, step = false): void {
   tell(changed);
 }
 
-/** Calls back after any of `keys` changed (every key when none is named). */
+/** Calls back after any of `keys` changed. */
 export function listen(keys: readonly string[], call: Listener): void {
   listeners.push({ keys, call });
 }
 
 function tell(changed: ReadonlySet<string>): void {
   for (const { keys, call } of listeners) {
-    if (keys.length === 0 || keys.some((key) => changed.has(key))) call(changed);
+    if (keys.some((key) => changed.has(key))) call(changed);
   }
 }
 

@@ -1,7 +1,7 @@
 // The statistics of the page. Rates carry 95 % Wilson intervals, pairs an exact McNemar test.
 
 /** Two-sided 95 % point of the normal distribution, as in the store's views. */
-export const kZ = 1.959963984540054;
+const kZ = 1.959963984540054;
 
 export interface Interval {
   low: number;
@@ -80,7 +80,7 @@ export function quantile(sorted: ArrayLike<number>, probability: number): number
 }
 
 /** Ranks from 1, ties shared. */
-export function ranks(values: readonly number[]): Float64Array {
+function ranks(values: readonly number[]): Float64Array {
   const order = values.map((_, i) => i).sort((a, b) => (values[a] ?? 0) - (values[b] ?? 0));
   const out = new Float64Array(values.length);
   for (let i = 0; i < order.length;) {

@@ -1,6 +1,6 @@
 // Outcomes of trials: one bar per controller, within each family.
 
-import { gridBox, kNarrow, legend, legendHeight, rowAxis, rowHeight, shareAxis, tip, tipOf, type FigureSpec } from '../chart';
+import { barPart, gridBox, kNarrow, legend, legendHeight, rowAxis, rowHeight, shareAxis, tip, tipOf, type FigureSpec } from '../chart';
 import { inkOn } from '../colour';
 import { outcomeName, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural, sizes } from '../format';
@@ -52,8 +52,7 @@ export function outcomes(): FigureSpec {
           legend: legend(p, present.map(outcomeName)), grid: gridBox(top, 20), xAxis: shareAxis(p, width < kNarrow ? 0.5 : 0.2, { splitLine: { show: false } }),
           yAxis: rowAxis(p, rows, width),
           series: present.map((o) => ({
-            name: outcomeName(o), type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%', emphasis: { disabled: true },
-            itemStyle: { color: outcomeColour(p, o), borderColor: p.surface, borderWidth: 1 },
+            ...barPart(p, outcomeName(o), outcomeColour(p, o)),
             label: { show: true, color: inkOn(outcomeColour(p, o)), fontSize: 11.5, formatter: ({ data: { of } }: { data: { of: Piece } }) => (fits(of) ? integer(of.count) : '') },
             data: pieces(o).map((of) => ({ value: of.count / of.bar.n, of })),
           })),

@@ -1,6 +1,6 @@
 // Where the time goes: mean time of each phase of the trials that succeed, one bar per controller.
 
-import { axis, gridBox, legend, legendHeight, rowAxis, rowHeight, tip, tipOf, type FigureSpec } from '../chart';
+import { axis, barPart, gridBox, legend, legendHeight, rowAxis, rowHeight, tip, tipOf, type FigureSpec } from '../chart';
 import type { Series } from '../data';
 import { fixed, percent, plural, sizes } from '../format';
 import { seriesColour } from '../theme';
@@ -44,8 +44,7 @@ export function phases(): FigureSpec {
         option: {
           legend: legend(p, names), grid: gridBox(top, 20), xAxis: axis(p, 'time [s]', { min: 0 }), yAxis: rowAxis(p, rows, width),
           series: names.map((name, place) => ({
-            name, type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%', emphasis: { disabled: true },
-            itemStyle: { color: seriesColour(p, place), borderColor: p.surface, borderWidth: 1 },
+            ...barPart(p, name, seriesColour(p, place)),
             data: all.map((bar) => ({ value: bar.seconds[place], of: { bar, place } })),
           })),
           tooltip: tipOf(({ bar, place }: Piece) => tip(names[place] ?? '', [

@@ -13,7 +13,7 @@ const kColumns = 9;
 export const kCells = ['occupied', 'unseen'] as const;
 export type Cells = (typeof kCells)[number];
 
-export interface MapBox {
+interface MapBox {
   cells: Cells;
   /** Pictures of the map: shown from one on, until before the other. */
   from: number; to: number;

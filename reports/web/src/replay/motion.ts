@@ -20,7 +20,7 @@ export interface Placed {
   turn: Quaternion;
 }
 
-function vector(values: readonly number[] | undefined): Vector3 {
+export function vector(values: readonly number[] | undefined): Vector3 {
   const [x = 0, y = 0, z = 0] = values ?? [];
   return new Vector3(x, y, z);
 }

@@ -38,7 +38,7 @@ interface Joint {
   mimic: { joint: string; multiplier: number; offset: number } | null;
 }
 
-export interface Driven { name: string; lower: number; upper: number; prismatic: boolean }
+interface Driven { name: string; lower: number; upper: number; prismatic: boolean }
 
 /** R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF. */
 function fromRpy(rpy: readonly number[]): Matrix4 {

@@ -11,7 +11,7 @@ import { fieldMark, floorPath, goalMark, grid, handPath, rowArrow, triad, type C
 import { extent, fit } from './fit';
 import { poseAt, skins, solid, wheels, type Part, type Skin } from './look';
 import { gazeAt, kCells, mapMark, pictureAt, type Cells, type SeenMap } from './map';
-import { clocksOf, placeAt, type MotionJson, type Placed } from './motion';
+import { clocksOf, placeAt, vector, type MotionJson, type Placed } from './motion';
 import { detourTarget, pathAhead } from './plan';
 import { quaternion, Robot, type SensorJson, type ShapeJson } from './robot';
 import { carried, type Row } from './rows';
@@ -35,7 +35,7 @@ export function reachedTimes(reached: string, { goals = [] }: WorldJson, dwell: 
 }
 
 /** A motion of a robot, with what the robot looks like. */
-export interface Moved { robot: Robot; trace: Trace; look: readonly Part[] }
+interface Moved { robot: Robot; trace: Trace; look: readonly Part[] }
 
 /**
  * A motion in its world: when it went on to the next goal [s], what was hit, the rows of each sample, the controller's map, the
@@ -243,17 +243,16 @@ export class ReplayScene {
       const mesh = new Mesh(solid(body), this.material(hit ? colours.hit : moving ? colours.moving : colours.object, glass));
       mesh.castShadow = !wall;
       this.content.add(mesh);
-      const [x = 0, y = 0, z = 0] = body.position ?? [];
-      const start = { position: new Vector3(x, y, z), turn: quaternion(body.quaternion) };
+      const start = { position: vector(body.position), turn: quaternion(body.quaternion) };
       return { mesh, name: body.name, start, motion: body.motion, clock: clocks[i] ?? '', grips: gripsOf(body.name, start, shown) };
     });
 
     this.addGhost();
     poseAt(robot, trace, 0);
-    this.goals = (world.goals ?? (world.goal === undefined ? [] : [world.goal])).map(({ position: [x = 0, y = 0, z = 0], quaternion: q, motion }) => {
+    this.goals = (world.goals ?? (world.goal === undefined ? [] : [world.goal])).map(({ position, quaternion: q, motion }) => {
       const mark = goalMark(robot, skins(robot, look), shown.tolerance, colours.goal);
       this.content.add(mark);
-      return { mark, start: { position: new Vector3(x, y, z), turn: quaternion(q) }, motion };
+      return { mark, start: { position: vector(position), turn: quaternion(q) }, motion };
     });
     this.tip = triad(0.16, false);
     this.arrows = new Group();

@@ -29,7 +29,7 @@ export function statusAt(trace: Trace, t: number): string {
 }
 
 /** Tolerance of arrival [m, rad]. */
-export interface Tolerances { position: number; rotation: number }
+interface Tolerances { position: number; rotation: number }
 
 /** Columns of a motion's samples that may be added to the time line, with their names: those of joints have the joint's. */
 export function signals(trace: Trace, joints: readonly string[]): [column: string, name: string][] {

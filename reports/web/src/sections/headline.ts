@@ -12,7 +12,7 @@ import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
 import { baseline, kFew, resultOf, rivalsOf, view } from '../view';
 
-export interface Judged {
+interface Judged {
   series: Series;
   row: SummaryRow | undefined;
 }

@@ -9,7 +9,7 @@ import * as state from '../state';
 import { isDark, palette, seriesColour, toggleTheme } from '../theme';
 import { toggleSeries, view } from '../view';
 
-export interface Toolbar {
+interface Toolbar {
   element: HTMLElement;
   /** To be called once the sections are in the page. */
   watch: () => void;
@@ -19,10 +19,10 @@ export interface Toolbar {
 function under(of: Condition, place: number): HTMLElement {
   const now = chosenValue(place);
   if (of.values.length > 5) {
-    return choice(of.name, [['', 'all'], ...of.values.map((v, i) => [String(i), shortValue(v)] as const)], now === undefined ? '' : String(now),
+    return choice(of.key, [['', 'all'], ...of.values.map((v, i) => [String(i), shortValue(v)] as const)], now === undefined ? '' : String(now),
       (value) => choose(place, value === '' ? undefined : Number(value)));
   }
-  return h('div', { class: 'choice' }, h('span', null, of.name), h('div', { class: 'segments', role: 'group', 'aria-label': of.name },
+  return h('div', { class: 'choice' }, h('span', null, of.key), h('div', { class: 'segments', role: 'group', 'aria-label': of.key },
     ...[undefined, ...of.values.keys()].map((value) => h('button', { type: 'button', 'aria-pressed': value === now ? 'true' : 'false', click: () => choose(place, value) },
       value === undefined ? 'all' : shortValue(of.values[value] ?? '')))));
 }
