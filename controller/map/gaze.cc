@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+
+#include "controller/model/kinematics.h"
 
 namespace moma {
 namespace {
@@ -13,6 +16,10 @@ constexpr double kLate = 1.0;      // time beyond that of a turn after which a h
 constexpr double kAgain = 10.0;    // time for which a view is left out that the head did not reach [s]
 constexpr double kAnywhere = 1.0;  // worth of a view of nothing, so that all around is looked at now and then
 
+Gaze half_a_view(const Sensor& sensor) {
+  return {std::max(0.5 * sensor.field_of_view[0], 0.1), std::max(0.5 * sensor.field_of_view[1], 0.1)};
+}
+
 // Angles from one end of a range to the other, no more than `apart` from each other.
 std::vector<double> angles(const std::array<double, 2>& range, double apart) {
   const int count = static_cast<int>(std::ceil((range[1] - range[0]) / apart));
@@ -21,14 +28,40 @@ std::vector<double> angles(const std::array<double, 2>& range, double apart) {
   return out;
 }
 
+// Gazes of a head, no more than half a field of view apart; of a sensor without a head the only one.
+std::vector<Gaze> gazes(const Sensor& sensor) {
+  const Gaze apart = half_a_view(sensor);
+  std::vector<Gaze> out;
+  for (const double pan : angles(sensor.head.pan, apart.pan))
+    for (const double tilt : angles(sensor.head.tilt, apart.tilt)) out.push_back({pan, tilt});
+  return out;
+}
+
 }  // namespace
+
+bool in_view(const Sensor& sensor, const Vector3& p_C) noexcept {
+  const double r = p_C.norm();
+  return r <= sensor.range && std::abs(std::atan2(p_C.y(), p_C.x())) <= 0.5 * sensor.field_of_view[0] &&
+         std::abs(std::asin(p_C.z() / std::max(r, 1e-9))) <= 0.5 * sensor.field_of_view[1];
+}
+
+bool looks_behind(const RobotModel& model) {
+  const Vector3 behind_W(-1.0, 0.0, 0.5);
+  Kinematics robot(std::shared_ptr<const RobotModel>(std::shared_ptr<void>(), &model));
+  robot.place(Vector3::Zero(), model.ready);
+  return std::ranges::any_of(model.sensors, [&](const MountedSensor& mounted) {
+    return std::ranges::any_of(gazes(mounted.sensor), [&](const Gaze& gaze) {
+      const Isometry X_WC = robot.X_WL(mounted.link) * mounted.turned(gaze);
+      return in_view(mounted.sensor, X_WC.inverse(Eigen::Isometry) * behind_W);
+    });
+  });
+}
 
 GazeChoice::GazeChoice(const MountedSensor& mounted) : mounted_(&mounted) {
   const Sensor& s = mounted.sensor;
   if (!s.head.turns()) return;
-  apart_ = {std::max(0.5 * s.field_of_view[0], 0.1), std::max(0.5 * s.field_of_view[1], 0.1)};
-  for (const double pan : angles(s.head.pan, apart_.pan))
-    for (const double tilt : angles(s.head.tilt, apart_.tilt)) views_.push_back({{pan, tilt}, kFirst});
+  apart_ = half_a_view(s);
+  for (const Gaze& gaze : gazes(s)) views_.push_back({gaze, kFirst});
 }
 
 void GazeChoice::saw(const Gaze& gaze, double time, const Isometry& X_WL, std::span<const Sight> sights) noexcept {
@@ -55,17 +88,10 @@ void GazeChoice::saw(const Gaze& gaze, double time, const Isometry& X_WL, std::s
 }
 
 double GazeChoice::worth(const View& view, const Isometry& X_WL, std::span<const Sight> sights) const noexcept {
-  const Sensor& s = mounted_->sensor;
   const Isometry X_CW = (X_WL * mounted_->turned(view.gaze)).inverse(Eigen::Isometry);
   double sum = 0.0;
-  for (const Sight& sight : sights) {
-    const Vector3 p = X_CW * sight.p_W;
-    const double r = p.norm();
-    if (r > s.range || std::abs(std::atan2(p.y(), p.x())) > 0.5 * s.field_of_view[0] ||
-        std::abs(std::asin(p.z() / std::max(r, 1e-9))) > 0.5 * s.field_of_view[1])
-      continue;
-    sum += sight.worth;
-  }
+  for (const Sight& sight : sights)
+    if (in_view(mounted_->sensor, X_CW * sight.p_W)) sum += sight.worth;
   return sum;
 }
 

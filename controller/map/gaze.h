@@ -14,6 +14,13 @@ struct Sight {
   double worth = 0.0;
 };
 
+/// True if a point of the sensor's frame lies in its field of view and range.
+bool in_view(const Sensor& sensor, const Vector3& p_C) noexcept;
+
+/// True if a camera of the robot has the space behind the base in view while the arm is `ready`, with some gaze of its
+/// head: a point 1 m behind the base and 0.5 m above the floor. Whatever hides it does not count. Allocates.
+bool looks_behind(const RobotModel& model);
+
 /// Choice of where a sensor on a head looks: the view with the most worth in it, times the time since it was looked at,
 /// over the time that a look takes. So a view that shows nothing new, since an arm hides it, gives way to others, and
 /// comes back. Views are half a field of view apart; a new one is chosen once the last was taken, or if the head is not

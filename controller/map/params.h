@@ -1,5 +1,7 @@
 #pragma once
 
+#include <numbers>
+
 #include "controller/describe/describe.h"
 
 namespace moma {
@@ -31,6 +33,7 @@ struct UnseenParams {
   double margin = 0.0;      ///< distance kept on the braking trajectory [m]
   double range = 0.5;       ///< distance from the robot up to which unseen space counts [m]
   double around = 0.01;     ///< depth up to which ways may enter it while one is found [m]; 0: they go through it
+  double facing = 0.0;      ///< turning that a base prefers to a drive backwards, if no sensor looks there [rad]
   double least = 0.0;       ///< edge of the smallest cube of it that counts [m]
   int boxes = 160;          ///< most boxes
 };
@@ -45,6 +48,10 @@ constexpr void describe(auto& v, Of<UnseenParams>) {
   v.member("range", &T::range, positive("m", "distance from the robot up to which unseen space counts"));
   v.member("around", &T::around,
            non_negative("m", "depth up to which ways may enter unseen space, unless all go through it; 0: they do"));
+  v.member("facing", &T::facing,
+           unless_default(in_range({0.0, std::numbers::pi}, "rad",
+                                   "turning that plans of a differential base prefer to a drive backwards, where no "
+                                   "camera looks behind the base; 0: the shorter turn decides")));
   v.member("least", &T::least,
            unless_default(in_range({0.0, 1.0}, "m",
                                    "edge of the smallest cube of unseen space that counts: smaller things "

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/map/gaze.h"
 #include "controller/model/robot_model.h"
 #include "controller/safe/braking.h"
 
@@ -71,6 +72,9 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
     rim_speed = plan.speed * model.base.wheels->radius * model.base.wheels->max_speed;
     half_track = 0.5 * model.base.wheels->separation;
   }
+  const UnseenParams& unseen = params.map.unseen;
+  if (params.map.enabled && unseen.enabled && unseen.facing > 0.0 && base->nonholonomic() && !looks_behind(model))
+    facing = unseen.facing;
   double a_linear = model.base.max_acceleration[0], a_angular = model.base.max_acceleration[1];
   if (first > 0) {
     a_linear = std::min(a_linear, params.acceleration_limit[0]);

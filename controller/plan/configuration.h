@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <numbers>
 
 #include "controller/model/base_kind.h"
@@ -41,6 +42,13 @@ struct MotionLimits {
 
   /// Wheel limit of a differential base: |v| + half_track |omega| <= rim_speed [m, m/s].
   double half_track = 0.0, rim_speed = kInfinity;
+
+  /// Turning that a differential base takes upon itself in order to drive forwards [rad]; 0: the shorter turn decides.
+  double facing = 0.0;
+  /// True if a drive to a point at this distance, `along` of it ahead, goes backwards [m].
+  bool drives_backwards(double along, double distance) const noexcept {
+    return along < -std::sin(0.5 * facing) * distance;
+  }
 
   int num_joints() const noexcept { return static_cast<int>(lower.size()); }
   bool mobile() const noexcept { return base->dof() > 0; }

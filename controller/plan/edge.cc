@@ -24,7 +24,8 @@ struct BaseWay {
   double turn1 = 0.0, drive = 0.0, turn2 = 0.0;
 };
 
-BaseWay differential_way(const WholeConfiguration& a, const WholeConfiguration& b) noexcept {
+BaseWay differential_way(const MotionLimits& limits, const WholeConfiguration& a,
+                         const WholeConfiguration& b) noexcept {
   BaseWay way;
   const Vector2 d = b.head<2>() - a.head<2>();
   const double length = d.norm();
@@ -35,7 +36,7 @@ BaseWay differential_way(const WholeConfiguration& a, const WholeConfiguration& 
   const double bearing = std::atan2(d.y(), d.x());
   const double f1 = wrapped(bearing - a[2]), f2 = wrapped(b[2] - bearing);
   const double r1 = wrapped(bearing + std::numbers::pi - a[2]), r2 = wrapped(b[2] - bearing - std::numbers::pi);
-  const bool forwards = std::abs(f1) + std::abs(f2) <= std::abs(r1) + std::abs(r2);
+  const bool forwards = std::abs(f1) + std::abs(f2) <= std::abs(r1) + std::abs(r2) + limits.facing;
   way.turn1 = forwards ? f1 : r1;
   way.turn2 = forwards ? f2 : r2;
   way.drive = forwards ? length : -length;
@@ -52,7 +53,7 @@ void make_edge(const MotionLimits& limits, const WholeConfiguration& a, const Wh
   edge.first = edge.middle = edge.last = {};
   edge.arm = arm_time(limits, a, b);
   if (limits.base->nonholonomic()) {
-    const BaseWay way = differential_way(a, b);
+    const BaseWay way = differential_way(limits, a, b);
     edge.turn1 = way.turn1;
     edge.drive = way.drive;
     edge.turn2 = way.turn2;

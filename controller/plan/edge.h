@@ -6,8 +6,9 @@
 namespace moma {
 
 /// A piece of a path from a to b, from rest to rest. A differential base turns, drives straight (forwards or
-/// backwards, whichever turns less) and turns; an omnidirectional base moves straight and turns evenly; a fixed base
-/// stays. The arm moves straight in joint space. The slower of base and arm determines the time of both.
+/// backwards, whichever turns less, but for MotionLimits::facing) and turns; an omnidirectional base moves straight and
+/// turns evenly; a fixed base stays. The arm moves straight in joint space. The slower of base and arm determines the
+/// time of both.
 struct Edge {
   WholeConfiguration a, b;
   double turn1 = 0.0, turn2 = 0.0;  ///< turns of the base [rad]; an omnidirectional base has turn1 only

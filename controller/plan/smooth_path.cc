@@ -247,7 +247,7 @@ SmoothPath::ToGo SmoothPath::to_go(const WholeConfiguration& c) noexcept {
   }
   const double cs = std::cos(at_[2]), sn = std::sin(at_[2]);
   const double forwards = cs * rest.way.x() + sn * rest.way.y();
-  if (direction_ == 0.0) direction_ = forwards < 0.0 ? -1.0 : 1.0;
+  if (direction_ == 0.0) direction_ = limits_.drives_backwards(forwards, rest.distance) ? -1.0 : 1.0;
   const double along = direction_ * forwards;
   const bool beside = along <= 0.5 * rest.distance;
   base_there_ =

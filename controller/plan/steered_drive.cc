@@ -18,7 +18,8 @@ bool SteeredDrive::plan(const MotionLimits& limits, const Vector3& from, const V
   Vector3 at = from;
   const Vector2 first = point - from.head<2>();
   bool there = passing == nullptr && first.norm() < kReached;
-  const double direction = std::cos(from.z()) * first.x() + std::sin(from.z()) * first.y() < 0.0 ? -1.0 : 1.0;
+  const double ahead = std::cos(from.z()) * first.x() + std::sin(from.z()) * first.y();
+  const double direction = limits.drives_backwards(ahead, first.norm()) ? -1.0 : 1.0;
   double v = direction * now[0], omega = now[1];  // v along the driving direction
   int steps = 0;
   while (!there || v != 0.0 || omega != 0.0) {

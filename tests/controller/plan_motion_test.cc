@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "controller/plan/follow.h"
+#include "controller/plan/steered_drive.h"
 #include "tests/controller/plan_scenes.h"
 
 namespace moma::test {
@@ -52,6 +53,38 @@ TEST(Trapezoid, IsTheQuickestInsideItsLimits) {
       }
     }
   }
+}
+
+// Plans of a robot whose cameras do not look behind it turn by up to `facing` more, in order to drive forwards.
+TEST(MotionLimits, DriveForwardsWhereNoCameraLooksBehind) {
+  const auto drives = [](const std::vector<std::string>& sensors, double facing) {
+    RobotModel model = *load_model("configs/robots/frankie_cameras.yaml");
+    std::erase_if(model.sensors, [&](const MountedSensor& mounted) {
+      return std::ranges::find(sensors, mounted.sensor.name) == sensors.end();
+    });
+    ControllerParams params = plan_params(model);
+    params.map.enabled = params.map.unseen.enabled = true;
+    params.map.unseen.facing = facing;
+    const MotionLimits limits(model, params);
+    // To points at 80, 110, 140 and 175 degrees to the left: an edge to a heading across, and a drive that steers,
+    // which turns left if it goes forwards.
+    std::string out;
+    for (const double bearing : {1.4, 1.92, 2.44, 3.05}) {
+      WholeConfiguration a = WholeConfiguration::Zero(3 + limits.num_joints()), b = a;
+      b.head<3>() << std::cos(bearing), std::sin(bearing), bearing - 0.5 * std::numbers::pi;
+      Edge edge;
+      make_edge(limits, a, b, edge);
+      SteeredDrive drive;
+      EXPECT_TRUE(drive.plan(limits, a.head<3>(), Vector2::Zero(), b.head<2>()));
+      out += {edge.drive > 0.0 ? 'f' : 'b', drive.end().z() > 0.0 ? 'f' : 'b'};
+    }
+    return out;
+  };
+  const std::vector<std::string> ahead{"front_camera", "rear_scanner"}, around{"front_camera", "rear_camera"};
+  EXPECT_EQ(drives(around, 2.0), "ffbbbbbb") << "the shorter turn decides";
+  EXPECT_EQ(drives(ahead, 0.0), "ffbbbbbb");
+  EXPECT_EQ(drives(ahead, 1.0), "ffffbbbb");
+  EXPECT_EQ(drives(ahead, 2.0), "ffffffbb");
 }
 
 TEST_P(PlanMotion, EdgesEndWhereTheyShould) {

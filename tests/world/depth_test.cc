@@ -298,6 +298,22 @@ TEST(SeenMap, AHeadLooksToItsSides) {
   }
 }
 
+// The head of a camera that looks ahead turns far enough to see behind the base, or does not.
+TEST(LooksBehind, WhereACameraOrItsHeadCanSee) {
+  RobotModel model = *robot_with_cameras();
+  EXPECT_TRUE(looks_behind(model)) << "a ring of cameras";
+  const MountedSensor front = model.sensors[0];
+  std::erase_if(model.sensors, [](const MountedSensor& mounted) { return mounted.sensor.rows > 1; });
+  ASSERT_EQ(model.sensors.size(), 2U);
+  EXPECT_FALSE(looks_behind(model)) << "planes at 0.2 m";
+  model.sensors = {front};
+  EXPECT_FALSE(looks_behind(model));
+  for (const double pan : {1.0, 2.6}) {
+    model.sensors[0].sensor.head = {.pan = {-pan, pan}, .tilt = {-0.5, 0.5}};
+    EXPECT_EQ(looks_behind(model), pan > 2.0) << pan << " and half a field of view of 0.79 rad, 0.7 rad down";
+  }
+}
+
 // A head looks first at what is worth most, then at everything else, since what an arm hides stays unseen.
 TEST(GazeChoice, WhatIsWorthMostComesFirstAndNothingIsLeftOut) {
   MountedSensor camera = robot_with_cameras()->sensors[0];
