@@ -314,12 +314,17 @@ TEST(LooksBehind, WhereACameraOrItsHeadCanSee) {
   }
 }
 
-// A head looks first at what is worth most, then at everything else, since what an arm hides stays unseen.
-TEST(GazeChoice, WhatIsWorthMostComesFirstAndNothingIsLeftOut) {
+MountedSensor narrow_camera_on_a_head() {
   MountedSensor camera = robot_with_cameras()->sensors[0];
   camera.X_LC = Isometry::Identity();
   camera.sensor.field_of_view = {0.4, 0.4};
   camera.sensor.head = {.pan = {-1.5, 1.5}, .tilt = {-0.5, 0.5}};
+  return camera;
+}
+
+// A head looks first at what is worth most, then at everything else, since what an arm hides stays unseen.
+TEST(GazeChoice, WhatIsWorthMostComesFirstAndNothingIsLeftOut) {
+  const MountedSensor camera = narrow_camera_on_a_head();
   GazeChoice choice(camera);
   ASSERT_TRUE(choice.on());
   Isometry X_WL = Isometry::Identity();
@@ -349,10 +354,7 @@ TEST(GazeChoice, WhatIsWorthMostComesFirstAndNothingIsLeftOut) {
 
 // A head that does not come to where it should look is sent elsewhere.
 TEST(GazeChoice, AHeadThatIsStuckIsSentElsewhere) {
-  MountedSensor camera = robot_with_cameras()->sensors[0];
-  camera.X_LC = Isometry::Identity();
-  camera.sensor.field_of_view = {0.4, 0.4};
-  camera.sensor.head = {.pan = {-1.5, 1.5}, .tilt = {-0.5, 0.5}};
+  const MountedSensor camera = narrow_camera_on_a_head();
   GazeChoice choice(camera);
   const std::vector<Sight> sights{{Vector3(0.1, 1.0, 0.0), 50.0}};
   constexpr double kStop = 0.8;  // the head turns no further
