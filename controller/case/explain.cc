@@ -188,7 +188,7 @@ std::string describe_evasion(const CaseStep& step) {
 std::string describe_check(const CaseStep& step) {
   const double kept = step.result.kept;
   return kept < 1.0 && !step.controller.evades()
-             ? formatted("The check of the braking trajectory lets %.0f %% of the command through.\n", 100.0 * kept)
+             ? formatted("The check of the backup trajectory lets %.0f %% of the command through.\n", 100.0 * kept)
              : "";
 }
 
