@@ -14,8 +14,6 @@
 namespace moma {
 namespace {
 
-constexpr double kActive = 1e-7;  // a value this near to its limit is held by it [m/s, rad/s]
-
 std::string number(double value) { return formatted("%.4g", value); }
 
 std::string name_of(const ControllerCore& controller, int variable) {
@@ -103,14 +101,13 @@ std::string describe_active(const CaseStep& step) {
   for (int i = 0; i < p.rows; ++i) {
     const RowKind kind = p.ids[static_cast<std::size_t>(i)].kind;
     if (kind == RowKind::kTracking) continue;  // told apart, by the slack
-    const double value = p.A.row(i).dot(x);
-    if (p.ubA[i] - value > kActive && value - p.lbA[i] > kActive) continue;
+    if (!p.holds(i, x)) continue;
     active.push_back({step.controller.row_name(i) + ": " + row_meaning(p, i), std::abs(solution.row_multipliers[i])});
   }
   const int named = step.controller.problem().n();
   for (int i = 0; i < named; ++i) {
-    const bool upper = p.ub[i] - x[i] <= kActive;
-    if (!upper && x[i] - p.lb[i] > kActive) continue;
+    const bool upper = p.ub[i] - x[i] <= kHeld;
+    if (!upper && x[i] - p.lb[i] > kHeld) continue;
     active.push_back(
         {bound_text(step, i, " at ", upper, upper ? p.ub[i] : p.lb[i]), std::abs(solution.bound_multipliers[i])});
   }
@@ -160,23 +157,25 @@ std::string describe_unseen(const CaseStep& step) {
   const QpProblem p = controller.final_problem();
   const VectorX x = controller.solution().x.head(p.n());
   const auto states = controller.map().states();
-  int rows = 0, nearest = -1;
+  const auto state_of = [&](const RowId& id) {
+    return static_cast<std::size_t>(id.second) - step.given.objects.size();
+  };
+  int rows = 0;
+  const RowId* nearest = nullptr;
   for (int i = 0; i < p.rows; ++i) {
     const RowId& id = p.ids[static_cast<std::size_t>(i)];
-    const auto object = static_cast<std::size_t>(id.second) - step.given.objects.size();
-    if (id.kind != RowKind::kObject || object >= states.size() || states[object].seen) continue;
-    if (p.ubA[i] - p.A.row(i).dot(x) > kActive) continue;
+    if (id.kind != RowKind::kObject || state_of(id) >= states.size() || states[state_of(id)].seen) continue;
+    if (!p.holds(i, x)) continue;
     ++rows;
-    if (nearest < 0 || id.d < p.ids[static_cast<std::size_t>(nearest)].d) nearest = i;
+    if (nearest == nullptr || id.d < nearest->d) nearest = &id;
   }
-  if (rows == 0) return "";
-  const RowId& id = p.ids[static_cast<std::size_t>(nearest)];
-  const ObjectState& box = states[static_cast<std::size_t>(id.second) - step.given.objects.size()];
+  if (nearest == nullptr) return "";
+  const ObjectState& box = states[state_of(*nearest)];
   const Vector3& at = box.X_WO.translation();
   return formatted(
       "Unseen space holds the motion with %d %s until a sensor has looked into it: the nearest, %.4g m "
       "away, is %.2f x %.2f x %.2f m about (%.4g, %.4g, %.4g).\n",
-      rows, rows == 1 ? "row" : "rows", id.d, box.box.x(), box.box.y(), box.box.z(), at.x(), at.y(), at.z());
+      rows, rows == 1 ? "row" : "rows", nearest->d, box.box.x(), box.box.y(), box.box.z(), at.x(), at.y(), at.z());
 }
 
 std::string describe_evasion(const CaseStep& step) {

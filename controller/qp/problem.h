@@ -23,6 +23,9 @@ constexpr bool is_collision(RowKind kind) noexcept {
 /// velocity].
 inline constexpr double kNoEffect = 1e-9;
 
+/// A value this near to its limit is held by it [m/s, rad/s].
+inline constexpr double kHeld = 1e-7;
+
 /// Subject of a constraint row, with its input quantities. tracking: (component 0-5, -); object: (robot shape, object);
 /// floor: (robot shape, -); self: (robot shape, robot shape); separation: (robot shape, object); wheel: (wheel, -);
 /// drive: (0 or 1: the diagonal x + y or x - y, -); upright: (0, -).
@@ -59,6 +62,12 @@ struct QpProblem {
   void clear() noexcept;
   /// Appends a zero row and returns its index, or -1 if the problem is full.
   int append(const RowId& id, double lower, double upper) noexcept;
+
+  /// True if x is at a limit of the row, to within kHeld.
+  bool holds(int row, const Eigen::Ref<const VectorX>& x) const noexcept {
+    const double value = A.row(row).dot(x);
+    return ubA[row] - value <= kHeld || value - lbA[row] <= kHeld;
+  }
 
   /// Returns 1/2 x^T H x + g^T x; `x` may be longer than n (the relaxed problem's slack is ignored).
   double cost(const Eigen::Ref<const VectorX>& x) const noexcept;

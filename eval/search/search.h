@@ -41,7 +41,7 @@ inline bool from_word(std::string_view word, Confirmation& confirmation) {
   return true;
 }
 
-/// What a suite chooses of a search.
+/// Settings of a search that a suite chooses.
 struct SearchChoices {
   std::vector<Variable> variables;
   std::uint64_t budget = 0;                ///< measurements (trials) of search and confirmation together

@@ -86,9 +86,6 @@ ControlCase case_of_step(const TrialSpec& spec, const World& world, long k) {
 
 namespace {
 
-/// A row whose value is this near to its bound is at it [m/s].
-constexpr double kActive = 1e-7;
-
 /// moma's controller, and after each of its steps the rows of its problem and the boxes of its map.
 class DetailWitness final : public StepController {
  public:
@@ -126,17 +123,15 @@ class DetailWitness final : public StepController {
 
   void note_rows(double t, bool solved) {
     const QpProblem problem = controller_.final_problem();
-    const VectorX& x = controller_.solution().x;
+    const auto x = controller_.solution().x.head(problem.n());
     const int links = static_cast<int>(controller_.model().links.size());
     for (int i = 0; i < problem.rows; ++i) {
       const RowId& id = problem.ids[static_cast<std::size_t>(i)];
       if (!is_collision(id.kind)) continue;
-      const double value = problem.A.row(i).dot(x.head(problem.n()));
       int second = links + id.second;
       if (id.kind == RowKind::kFloor) second = static_cast<int>(out_.names.size()) - 1;
       if (id.kind == RowKind::kSelf) second = link_of(id.second);
-      out_.rows.push_back({t, id, link_of(id.first), second,
-                           solved && (value - problem.lbA[i] < kActive || problem.ubA[i] - value < kActive)});
+      out_.rows.push_back({t, id, link_of(id.first), second, solved && problem.holds(i, x)});
     }
   }
 
