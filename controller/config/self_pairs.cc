@@ -16,8 +16,10 @@ namespace {
 
 constexpr int kSamples = 1000;
 constexpr double kAlwaysClose = 0.2;  // share of the samples
-constexpr double kRowRange = 0.1;     // [m]
-constexpr double kSame = 1e-6;        // largest difference of distances that no joint changes [m]
+// Pairs are out of each other's reach if none of the samples is within `stop`, and this share within its multiple.
+constexpr double kPassing = 0.02, kPassingRange = 1.5;
+constexpr double kRowRange = 0.1;  // [m]
+constexpr double kSame = 1e-6;     // largest difference of distances that no joint changes [m]
 
 VectorX sample(const RobotModel& model, std::mt19937_64& engine) {
   VectorX q(model.num_joints());
@@ -102,9 +104,10 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
   Proximity proximity(model);
   const std::vector<SelfPair>& pairs = model->self_pairs;
   struct Seen {
-    int near = 0, close = 0;               // samples within kRowRange, and within `stop`
+    int near = 0, passing = 0, close = 0;  // samples within kRowRange, kPassingRange and `stop`
     double least = kRowRange, most = 0.0;  // distance [m]
     bool constant() const { return near == kSamples && most - least < kSame; }
+    bool pass() const { return close == 0 && passing >= kPassing * kSamples; }
   };
   std::vector<Seen> seen(pairs.size());
   std::vector<bool> touching(pairs.size(), false);
@@ -115,6 +118,7 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
     visit_near_pairs(proximity, kinematics, kRowRange, [&](std::size_t k, double d) {
       ++seen[k].near;
       if (d < stop) ++seen[k].close;
+      if (d < kPassingRange * stop) ++seen[k].passing;
       seen[k].least = std::min(seen[k].least, d);
       seen[k].most = std::max(seen[k].most, d);
     });
@@ -126,7 +130,7 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
      : often              ? always_close
      : seen[k].constant() ? constant
                           : kept)
-        .push_back({pairs[k].first, pairs[k].second, seen[k].near > 0});
+        .push_back({pairs[k].first, pairs[k].second, seen[k].near > 0 && !seen[k].pass()});
   }
   if (!sliding.empty())
     notes.push_back("self-collision: left out, sliding along one line: " + list_names(source, sliding));

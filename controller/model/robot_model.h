@@ -111,7 +111,7 @@ struct Carried {
 struct SelfPair {
   int first = 0;
   int second = 0;
-  bool row = true;  ///< false: never comes within range; no QP row, but checked for contact
+  bool row = true;  ///< false: cannot come within the stop distance; no QP row, but checked for contact
 };
 
 struct MountedSensor {

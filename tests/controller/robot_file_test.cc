@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <random>
 #include <set>
+#include <string>
 
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
@@ -278,6 +280,36 @@ TEST(RobotFile, AutoLeavesOutPairsThatAreAlwaysClose) {
   EXPECT_FALSE(has_pair("panda_link1", "panda_link2"));  // adjacent
   EXPECT_TRUE(has_pair("panda_link1", "panda_hand"));
   EXPECT_TRUE(has_pair("panda_link0", "panda_hand/2"));
+}
+
+// A sphere slides past a column, beside it in a tenth of its way.
+class PassingPair : public testing::Test {
+ protected:
+  std::shared_ptr<const RobotModel> passing(double gap, const std::string& collision = "") {
+    scratch_.write("passing.urdf", R"(<robot name="passing"><link name="root"><collision><geometry>
+  <cylinder radius="0.1" length="0.4"/></geometry></collision></link><link name="carriage"/><link name="ball">
+  <collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+<joint name="turn" type="revolute"><parent link="root"/><child link="carriage"/><axis xyz="0 0 1"/>
+  <limit lower="-2" upper="2" velocity="1" effort="80"/></joint>
+<joint name="slide" type="prismatic"><parent link="carriage"/><child link="ball"/><origin xyz=")" +
+                                       std::to_string(0.15 + gap) + R"( 0 0"/><axis xyz="0 0 1"/>
+  <limit lower="-2" upper="2" velocity="1" effort="80"/></joint></robot>)");
+    return config::load_robot(scratch_.write("passing.yaml", "urdf: passing.urdf\narm: {tip: ball, ready: [0, 1]}\n" +
+                                                                 ("collision: {" + collision + "from: urdf}\n")))
+        .model;
+  }
+
+  test::Scratch scratch_;
+};
+
+// Such a pair cannot touch: a row would only hold what passes, but its contacts still count.
+TEST_F(PassingPair, HasNoRowBeyondTheStopDistance) {
+  const auto apart = passing(0.012), within = passing(0.008), wider = passing(0.012, "self_stop: 0.013, ");
+  for (const auto& model : {apart, within, wider}) ASSERT_EQ(model->self_pairs.size(), 1U);
+  EXPECT_FALSE(apart->self_pairs[0].row);
+  EXPECT_TRUE(within->self_pairs[0].row);
+  EXPECT_TRUE(wider->self_pairs[0].row);
+  EXPECT_TRUE(passing(0.03)->self_pairs[0].row);
 }
 
 }  // namespace
