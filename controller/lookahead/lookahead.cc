@@ -77,13 +77,17 @@ void Lookahead::set_state(const PlanState& state) noexcept {
   watch_.forget();
 }
 
-// Rows keep a share of the path's clearance only: the robot lags behind the path, objects are measured elsewhere than
-// when it was planned, and where motions overlap it has half its clearance.
+// On the way to a close goal rows keep a share of the path's clearance only: the robot lags behind the path, objects
+// are measured elsewhere than when it was planned, and where motions overlap it has half its clearance. On other paths
+// of less than the clearance they keep what the path does, but no less than the last tier, however near the path
+// begins.
 KeptDistance Lookahead::keeps() const noexcept {
   const Path& path = state_.path;
-  if (state_.brief.mode != PlanMode::kFollow || !path.close()) return {};
+  if (state_.brief.mode != PlanMode::kFollow) return {};
   const double part = params_.follow.kept;
-  return {part * path.kept_at_goal, part * slope_, state_.X_WG.translation(), part * path.clearance};
+  if (path.close()) return {part * path.kept_at_goal, part * slope_, state_.X_WG.translation(), part * path.clearance};
+  if (path.clearance >= params_.clearance) return {};
+  return {.most = std::max(path.clearance, params_.search.tight * params_.clearance)};
 }
 
 std::int64_t Lookahead::periods(double seconds) const noexcept { return std::llround(seconds / dt_); }

@@ -12,9 +12,9 @@
 
 namespace moma::test {
 
-inline ControllerParams read_params(const RobotModel& model, bool plan) {
+inline ControllerParams read_params(const RobotModel& model, bool plan, const std::string& preset = "moma-reactive") {
   std::vector<std::string> warnings;
-  const config::Node file = config::load_yaml(source_path("configs/controllers/moma-reactive.yaml"));
+  const config::Node file = config::load_yaml(source_path("configs/controllers/" + preset + ".yaml"));
   ControllerParams params = config::read_controller(file, "controller", model, kPeriod, warnings);
   params.plan.enabled = plan;
   return params;

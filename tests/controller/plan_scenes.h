@@ -118,6 +118,23 @@ inline Scene behind_a_wall(const std::shared_ptr<const RobotModel>& model, std::
   return scene;
 }
 
+/// A low wall across the way with a gap that leaves a Frankie's base `margin` on either side.
+inline Scene before_a_gap(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed, double margin) {
+  Scene scene = behind_a_wall(model, seed);
+  constexpr double kHalf = 3.0, kWide = 1.0;  // of each part, and of the gap until it is measured
+  scene.shapes = {{"left", make_box(0.2, 2.0 * kHalf, 0.3)}, {"right", make_box(0.2, 2.0 * kHalf, 0.3)}};
+  scene.states.resize(2);
+  const auto set = [&](double gap) {
+    scene.states[0].X_WO.translation() << 1.4, kHalf + 0.5 * gap, 0.15;
+    scene.states[1].X_WO.translation() << 1.4, -kHalf - 0.5 * gap, 0.15;
+  };
+  set(kWide);
+  Kinematics inside(model);
+  inside.update(Vector3(1.4, 0.0, 0.0), model->ready);
+  set(kWide - 2.0 * (object_clearance(*model, inside, scene) - margin));
+  return scene;
+}
+
 /// A whole plan at once.
 inline bool plan_whole(Planner& planner, const Scene& scene, std::uint64_t seed) {
   planner.set_objects(scene.shapes);

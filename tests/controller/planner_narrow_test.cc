@@ -46,7 +46,7 @@ std::optional<int> failures(Planner& planner, const Scene& scene, std::uint64_t 
   return found ? std::optional(failed) : std::nullopt;
 }
 
-// Of many goal configurations, by trees that go as far as they can: before there were 3 to 19, and 5858 checks.
+// Of many goal configurations that differ, by trees that go as far as they can.
 TEST(Planner, NarrowPlacesTakeFewChecks) {
   const auto model = load_model("configs/robots/panda.yaml");
   ControllerParams params = plan_params(*model);
@@ -58,7 +58,7 @@ TEST(Planner, NarrowPlacesTakeFewChecks) {
   for (std::uint64_t seed = 1; seed <= 15; ++seed) {
     if (!plan_whole(planner, inside_a_shelf(model, seed), seed)) continue;
     checks.push_back(planner.counts().checks);
-    EXPECT_GE(planner.counts().goals, 20) << "seed " << seed;
+    EXPECT_GE(planner.counts().goals, 12) << "seed " << seed;
   }
   ASSERT_GE(checks.size(), 14u);
   std::sort(checks.begin(), checks.end());
@@ -150,6 +150,7 @@ TEST(Planner, GoesOnAfterTheStartHasMoved) {
   ControllerParams params = plan_params(*model);
   params.collision.at_goal.enabled = true;
   params.plan.checks = 1;
+  params.plan.ik_enough = 4;  // an arm of six joints has few
   Planner planner(model, params);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Scene scene = make_scene(model, seed, 0);
@@ -331,23 +332,6 @@ TEST(Planner, TheLastTierComesCloserAfterTwoPlansThatFailed) {
   }
   EXPECT_GT(early, 0);
   EXPECT_GT(late, 0);
-}
-
-// A low wall across the way with a gap that leaves a Frankie's base `margin` on either side.
-Scene before_a_gap(const std::shared_ptr<const RobotModel>& model, std::uint64_t seed, double margin) {
-  Scene scene = behind_a_wall(model, seed);
-  constexpr double kHalf = 3.0, kWide = 1.0;  // of each part, and of the gap until it is measured
-  scene.shapes = {{"left", make_box(0.2, 2.0 * kHalf, 0.3)}, {"right", make_box(0.2, 2.0 * kHalf, 0.3)}};
-  scene.states.resize(2);
-  const auto set = [&](double gap) {
-    scene.states[0].X_WO.translation() << 1.4, kHalf + 0.5 * gap, 0.15;
-    scene.states[1].X_WO.translation() << 1.4, -kHalf - 0.5 * gap, 0.15;
-  };
-  set(kWide);
-  Kinematics inside(model);
-  inside.update(Vector3(1.4, 0.0, 0.0), model->ready);
-  set(kWide - 2.0 * (object_clearance(*model, inside, scene) - margin));
-  return scene;
 }
 
 // Only a grasp is worth half of the last tier's distance: measured objects lie elsewhere by about as much.

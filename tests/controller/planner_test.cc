@@ -356,5 +356,22 @@ TEST(PlannerFree, DrawsWhatAGoalLeavesFree) {
   }
 }
 
+// An arm of six joints has a few configurations at a pose, and tries find the same again and again.
+TEST(Planner, GoalConfigurationsDiffer) {
+  const auto model = load_model("configs/robots/ur5.yaml");
+  Planner planner(model, plan_params(*model));
+  std::size_t found = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Scene scene = make_scene(model, seed, 6);
+    plan_whole(planner, scene, seed);
+    const auto goals = planner.goals();
+    found += goals.size();
+    for (std::size_t i = 0; i < goals.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        EXPECT_GT((goals[i].c - goals[j].c).norm(), 0.01) << "seed " << seed << ": " << i << " and " << j;
+  }
+  EXPECT_GE(found, 20u);
+}
+
 }  // namespace
 }  // namespace moma::test
