@@ -18,19 +18,14 @@ using config::MapReader;
 using config::Node;
 
 void read_objects(const Node& node, ControlCase& out) {
-  if (node.kind != Node::Kind::kSequence) config::fail(node.mark, "objects", "expected a list of objects");
   std::set<std::string> names;
-  for (std::size_t i = 0; i < node.items.size(); ++i) {
-    const std::string key = "objects[" + std::to_string(i) + "]";
-    ObjectShape shape;
-    ObjectState state;
-    read_object(node.items[i], key, static_cast<int>(i), *out.robot.model, shape, state);
-    if (!names.insert(shape.name).second) {
-      config::fail(node.items[i].mark, key + ".name", "'" + shape.name + "' is the name of an earlier object");
-    }
-    out.objects.push_back(std::move(shape));
-    out.observation.objects.push_back(state);
-  }
+  config::for_items(node, "objects", "a list of objects", [&](const Node& item, const std::string& key) {
+    const int index = static_cast<int>(out.objects.size());
+    ObjectShape& shape = out.objects.emplace_back();
+    read_object(item, key, index, *out.robot.model, shape, out.observation.objects.emplace_back());
+    if (!names.insert(shape.name).second)
+      config::fail(item.mark, key + ".name", "'" + shape.name + "' is the name of an earlier object");
+  });
 }
 
 template <class T>

@@ -99,11 +99,9 @@ Json objects_to_json(std::span<const ObjectShape> objects) {
 }
 
 std::vector<ObjectShape> read_objects(const Node& list, const std::string& key) {
-  if (list.kind != Node::Kind::kSequence)
-    fail(list.mark, key, "found " + found_text(list) + ", expected a list of objects");
   std::vector<ObjectShape> objects;
-  for (const Node& item : list.items) {
-    MapReader in(item, key + "[" + std::to_string(objects.size()) + "]");
+  for_items(list, key, "a list of objects", [&](const Node& item, const std::string& at) {
+    MapReader in(item, at);
     ObjectShape object;
     in.read("name", object.name);
     const bool former = in.get("kind") != nullptr && in.get("shape") == nullptr;
@@ -113,7 +111,7 @@ std::vector<ObjectShape> read_objects(const Node& list, const std::string& key) 
       in.get(known);
     in.finish();
     objects.push_back(std::move(object));
-  }
+  });
   return objects;
 }
 

@@ -39,7 +39,6 @@ bool is_word(const Node& node, std::string_view word);
 std::vector<double> read_list(const Node& node, const std::string& key, int count, const About& about);
 /// Throws where a text stands that is no number: the message says that `word` would have been one.
 void refuse_other_words(const Node& node, const std::string& key, std::string_view word, const std::string& accepted);
-const Node& sequence(const Node& node, const std::string& key);
 
 template <class V>
 void read_word_or(const Node& node, const std::string& key, std::string_view word, bool& flag, V& value,
@@ -81,11 +80,11 @@ void read_any(const Node& node, const std::string& key, V& value, const About& a
   } else {
     static_assert(is_std_vector<V>, "a type that is not described needs a read_value() beside it");
     V list;
-    for (const Node& item : sequence(node, key).items) {
+    for_items(node, key, "a list", [&](const Node& item, const std::string& at) {
       typename V::value_type inner{};
-      read_any(item, key + "[" + std::to_string(list.size()) + "]", inner, about, lengths);
+      read_any(item, at, inner, about, lengths);
       list.push_back(std::move(inner));
-    }
+    });
     value = std::move(list);
   }
 }

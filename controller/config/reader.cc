@@ -11,6 +11,8 @@
 namespace moma::config {
 namespace {
 
+const Node kNothing;
+
 bool parse_number(const Node& node, double& value) {
   if (node.kind != Node::Kind::kScalar) return false;
   const std::string& s = node.scalar;
@@ -50,9 +52,7 @@ std::string found_text(const Node& node) {
 
 double read_number(const Node& node, const std::string& key, const Range& range) {
   double value = 0.0;
-  if (!parse_number(node, value))
-    refuse(node.mark, key, "found " + found_text(node) + ", expected " + accepted_number(range));
-  if (!range.contains(value))
+  if (!parse_number(node, value) || !range.contains(value))
     refuse(node.mark, key, "found " + found_text(node) + ", expected " + accepted_number(range));
   return value;
 }
@@ -91,8 +91,8 @@ std::vector<double> read_numbers(const Node& node, const std::string& key, int c
                (count >= 0 ? std::to_string(count) + " numbers" : std::string("numbers")));
   }
   std::vector<double> values;
-  for (std::size_t i = 0; i < node.items.size(); ++i)
-    values.push_back(read_number(node.items[i], key + "[" + std::to_string(i) + "]", range));
+  for_items(node, key, "a list of numbers",
+            [&](const Node& item, const std::string& at) { values.push_back(read_number(item, at, range)); });
   return values;
 }
 
@@ -102,9 +102,19 @@ void fail_choice(const Node& found, const std::string& key, const std::vector<st
   refuse(found.mark, key, "found " + found_text(found) + ", expected one of: " + list);
 }
 
-MapReader::MapReader(const Node& node, std::string key) : node_(&node), key_(std::move(key)) {
+void require_list(const Node& node, const std::string& key, std::string_view what) {
+  if (node.kind != Node::Kind::kSequence)
+    refuse(node.mark, key, "found " + found_text(node) + ", expected " + std::string(what));
+}
+
+MapReader::MapReader(const Node& node, std::string key) : node_(&node), mark_(node.mark), key_(std::move(key)) {
   if (node.kind != Node::Kind::kMap && node.kind != Node::Kind::kNull)
     config::refuse(node.mark, key_, "found " + found_text(node) + ", expected a map of keys");
+}
+
+MapReader::MapReader(MapReader& outer, std::string_view name)
+    : MapReader(outer.get(name) != nullptr ? *outer.get(name) : kNothing, outer.key_of(name)) {
+  if (node_ == &kNothing) mark_ = outer.mark_;
 }
 
 std::string MapReader::key_of(std::string_view name) const {
@@ -119,7 +129,7 @@ const Node* MapReader::get(std::string_view name) {
 
 const Node& MapReader::require(std::string_view name, std::string_view what) {
   const Node* node = get(name);
-  if (node == nullptr) config::refuse(node_->mark, key_of(name), "missing; expected " + std::string(what));
+  if (node == nullptr) config::refuse(mark_, key_of(name), "missing; expected " + std::string(what));
   return *node;
 }
 
@@ -146,16 +156,16 @@ void MapReader::read(std::string_view name, std::string& value) {
   if (const Node* node = get(name)) value = read_string(*node, key_of(name));
 }
 
-void MapReader::fail(const std::string& message) const { config::fail(node_->mark, key_, message); }
+void MapReader::fail(const std::string& message) const { config::fail(mark_, key_, message); }
 
 void MapReader::fail_at(std::string_view name, const std::string& message) const {
   const Node* node = node_->find(name);
-  config::fail(node != nullptr ? node->mark : node_->mark, key_of(name), message);
+  config::fail(node != nullptr ? node->mark : mark_, key_of(name), message);
 }
 
 void MapReader::fail_key(std::string_view name, const std::string& message) const {
   const Node* node = node_->find(name);
-  config::fail(node != nullptr ? node->key_place() : node_->mark, key_of(name), message);
+  config::fail(node != nullptr ? node->key_place() : mark_, key_of(name), message);
 }
 
 void MapReader::check(bool ok, std::string_view name, const std::string& message) const {
@@ -188,11 +198,6 @@ void refuse_other_words(const Node& node, const std::string& key, std::string_vi
   if (node.kind != Node::Kind::kScalar || node.scalar.empty()) return;
   if (std::isalpha(static_cast<unsigned char>(node.scalar[0])) == 0) return;
   refuse(node.mark, key, "found '" + node.scalar + "', expected " + std::string(word) + " or " + accepted);
-}
-
-const Node& sequence(const Node& node, const std::string& key) {
-  if (node.kind != Node::Kind::kSequence) refuse(node.mark, key, "found " + found_text(node) + ", expected a list");
-  return node;
 }
 
 }  // namespace description

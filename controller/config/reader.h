@@ -23,6 +23,11 @@ std::string read_string(const Node& node, const std::string& key);
 /// `count` < 0: any length.
 std::vector<double> read_numbers(const Node& node, const std::string& key, int count, const Range& range = {});
 
+/// Calls visit(item, its full key) for each item of a list: "shapes[0]", "shapes[1]" ... `what` says what else a
+/// message expects: "a list of shapes".
+template <class Visit>
+void for_items(const Node& list, const std::string& key, std::string_view what, Visit visit);
+
 /// Names the value for messages: "'text'", "a list of 3", "a map", "nothing".
 std::string found_text(const Node& node);
 /// A text that is none of `names`: lists them and says which is near.
@@ -38,10 +43,13 @@ class MapReader {
  public:
   /// Throws unless `node` is a map (or null, read as an empty map).
   MapReader(const Node& node, std::string key);
+  /// The map under a key of another one; an empty map at its place if the key is absent.
+  MapReader(MapReader& outer, std::string_view name);
 
   const std::string& key() const { return key_; }
-  const Mark& mark() const { return node_->mark; }
+  const Mark& mark() const { return mark_; }
   std::string key_of(std::string_view name) const;
+  const std::vector<std::pair<std::string, Node>>& entries() const { return node_->entries; }
 
   /// Marks `name` as known; nullptr where absent or null.
   const Node* get(std::string_view name);
@@ -69,9 +77,18 @@ class MapReader {
 
  private:
   const Node* node_;
+  Mark mark_;
   std::string key_;
   std::vector<std::string> known_;
 };
+
+void require_list(const Node& node, const std::string& key, std::string_view what);
+
+template <class Visit>
+void for_items(const Node& list, const std::string& key, std::string_view what, Visit visit) {
+  require_list(list, key, what);
+  for (std::size_t i = 0; i < list.items.size(); ++i) visit(list.items[i], key + "[" + std::to_string(i) + "]");
+}
 
 template <Worded Enum>
 Enum read_word(const Node& node, const std::string& key, std::span<const Enum> allowed) {

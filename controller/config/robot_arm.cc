@@ -102,18 +102,12 @@ class ArmReader {
                   "found '" + tip + "', which is no link of the URDF" + near_or_all(tip, "; its links: ", names));
     }
     written_["tip"] = tip;
-    if (const Node* tool = in_.get("tool")) {
-      MapReader at(*tool, in_.key_of("tool"));
-      model_.X_TE = read_pose(at, written_["tool"]);
-      at.finish();
-    }
+    read_pose(in_, "tool", model_.X_TE, written_);
   }
 
   void read_locked() {
-    const Node* node = in_.get("locked");
-    if (node == nullptr) return;
-    MapReader in(*node, in_.key_of("locked"));
-    for (const auto& [name, value] : node->entries) {
+    MapReader in(in_, "locked");
+    for (const auto& [name, value] : in.entries()) {
       const int link = movable(in, name);
       double held = 0.0;
       in.read(name, held);
@@ -131,9 +125,7 @@ class ArmReader {
     std::vector<int> chain;
     for (int i = model_.tip; i > 1; i = link_at(i).parent) chain.push_back(i);
     std::reverse(chain.begin(), chain.end());
-    static const Node kNone;
-    const Node* node = in_.get("limits");
-    MapReader limits(node != nullptr ? *node : kNone, in_.key_of("limits"));
+    MapReader limits(in_, "limits");
     for (const int link : chain) {
       const UrdfJoint& joint = joint_of(link);
       if (joint.type == UrdfJointType::kFixed || locked_.count(link) != 0) continue;
@@ -148,13 +140,11 @@ class ArmReader {
       }
       add_joint(limits, link);
     }
-    if (node != nullptr) {
-      for (const auto& [name, value] : node->entries) {
-        const int link = movable(limits, name);
-        if (link_at(link).controlled >= 0) continue;
-        limits.get(name);
-        build_.warnings.push_back(limits.key_of(name) + ": has no effect, since the joint is not controlled");
-      }
+    for (const auto& [name, value] : limits.entries()) {
+      const int link = movable(limits, name);
+      if (link_at(link).controlled >= 0) continue;
+      limits.get(name);
+      build_.warnings.push_back(limits.key_of(name) + ": has no effect, since the joint is not controlled");
     }
     limits.finish();
     if (!lacking_.empty()) fail(lacking_at_, lacking_key_, "the URDF gives " + joined(lacking_, {}, "; "));

@@ -9,6 +9,28 @@
 #include "controller/config/write_described.h"
 #include "controller/model/base_kind.h"
 
+namespace moma {
+
+constexpr void describe(auto& v, Of<Wheels>) {
+  using T = Wheels;
+  v.member("radius", &T::radius, positive("m", "of the wheels"));
+  v.member("separation", &T::separation, positive("m", "from left to right wheels"));
+  v.member("wheelbase", &T::wheelbase, non_negative("m", "from front to rear wheels"));
+  v.member("max_speed", &T::max_speed, positive("rad/s", "of a wheel"));
+  v.member("width", &T::width, unless_default(positive("m", "of a wheel")));
+}
+
+// What stands beside `type`, `mount` and `footprint`.
+constexpr void describe(auto& v, Of<MobileBase>) {
+  using T = MobileBase;
+  v.member("wheels", &T::wheels, {});
+  v.member("max_linear", &T::max_linear, positive("m/s", "greatest speed"));
+  v.member("max_angular", &T::max_angular, positive("rad/s", "greatest turning speed"));
+  v.member("max_acceleration", &T::max_acceleration, positive("m/s^2, rad/s^2", "how the drive ramps a command"));
+}
+
+}  // namespace moma
+
 namespace moma::config {
 namespace {
 
@@ -26,28 +48,15 @@ constexpr void describe(auto& v, Of<WrittenPose>) {
   v.member("rotation", &T::rotation, {});
 }
 
-void read_wheels(MapReader& base, MobileBase& model, Json& written) {
-  const Node* node = base.get("wheels");
-  if (node == nullptr) return;
-  MapReader in(*node, base.key_of("wheels"));
-  Wheels wheels;
-  in.read("radius", wheels.radius, Range::positive());
-  in.read("separation", wheels.separation, Range::positive());
-  in.read("max_speed", wheels.max_speed, Range::positive());
-  const bool wheelbase = kind_of(model.type).wheelbase;
-  if (wheelbase) in.require("wheelbase", "the distance of front and rear wheels [m]");
-  in.read("wheelbase", wheels.wheelbase, Range::non_negative());
-  in.check(!wheelbase || wheels.wheelbase > 0.0, "wheelbase", "mecanum wheels need a number above 0");
-  double width = 0.0;
-  const bool wide = in.get("width") != nullptr;  // read_collision() makes shapes of them
-  in.read("width", width, Range::positive());
-  in.finish();
-  written["wheels"] = {{"radius", wheels.radius},
-                       {"separation", wheels.separation},
-                       {"wheelbase", wheels.wheelbase},
-                       {"max_speed", wheels.max_speed}};
-  if (wide) written["wheels"]["width"] = width;
-  model.wheels = wheels;
+Isometry isometry_of(const WrittenPose& pose, MapReader& in) {
+  in.check(in.get("rpy") == nullptr || !pose.rotation, "rotation", "give `rpy` or `rotation`, not both");
+  Isometry X(rotation_of(pose.rpy));
+  X.translation() = pose.position;
+  if (!pose.rotation) return X;
+  X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose.rotation->data());
+  const double defect = (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();
+  in.check(defect < 1e-9 && X.linear().determinant() > 0.0, "rotation", "these nine numbers are no rotation matrix");
+  return X;
 }
 
 }  // namespace
@@ -58,55 +67,46 @@ Matrix3 rotation_of(const Vector3& rpy) {
       .toRotationMatrix();
 }
 
-Isometry read_pose(MapReader& in, Json& written) {
+Isometry read_pose(MapReader& in) {
   WrittenPose pose;
   read_members(in, pose);
-  in.check(in.get("rpy") == nullptr || !pose.rotation, "rotation", "give `rpy` or `rotation`, not both");
-  Isometry X = Isometry::Identity();
-  X.translation() = pose.position;
-  X.linear() = rotation_of(pose.rpy);
-  if (pose.rotation) {
-    X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose.rotation->data());
-    const double defect = (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();
-    in.check(defect < 1e-9 && X.linear().determinant() > 0.0, "rotation", "these nine numbers are no rotation matrix");
-  }
-  written = write_described(pose);
-  return X;
+  return isometry_of(pose, in);
+}
+
+void read_pose(MapReader& outer, const char* name, Isometry& X, Json& written) {
+  if (outer.get(name) == nullptr) return;
+  MapReader in(outer, name);
+  WrittenPose pose;
+  read_members(in, pose);
+  in.finish();
+  X = isometry_of(pose, in);
+  written[name] = write_described(pose);
 }
 
 void read_base(MapReader& robot, RobotBuild& build) {
-  static const Node kNone;
-  const Node* node = robot.get("base");
-  MapReader in(node != nullptr ? *node : kNone, robot.key_of("base"));
+  MapReader in(robot, "base");
   MobileBase& base = build.model.base;
   Json& written = as_object(build.resolved["base"]);
   in.read_enum("type", base.type);
-  written["type"] = std::string(to_string(base.type));
-  if (const Node* mount = in.get("mount")) {
-    MapReader at(*mount, in.key_of("mount"));
-    base.X_BM = read_pose(at, written["mount"]);
-    at.finish();
-  }
-  const bool mobile = build.model.mobile();
-  if (mobile) {
+  written["type"] = to_string(base.type);
+  read_pose(in, "mount", base.X_BM, written);
+  if (build.model.mobile()) {
     in.require("max_linear", "the base's largest speed [m/s]");
     in.require("max_angular", "the base's largest turning speed [rad/s]");
   }
-  in.read("max_linear", base.max_linear, Range::positive());
-  in.read("max_angular", base.max_angular, Range::positive());
-  if (const Node* a = in.get("max_acceleration"))
-    base.max_acceleration = Vector2(read_numbers(*a, in.key_of("max_acceleration"), 2, Range::positive()).data());
-  read_wheels(in, base, written);
-  if (mobile) {
-    written["max_linear"] = base.max_linear;
-    written["max_angular"] = base.max_angular;
-    written["max_acceleration"] = description::list_to_json(numbers_of(base.max_acceleration));
+  read_members(in, base);
+  if (base.wheels && kind_of(base.type).wheelbase) {
+    MapReader wheels(in, "wheels");
+    wheels.require("wheelbase", "the distance of front and rear wheels [m]");
+    wheels.check(base.wheels->wheelbase > 0.0, "wheelbase", "mecanum wheels need a number above 0");
+  }
+  if (build.model.mobile()) {
+    write_members(base, written);
   } else {
     if (base.max_linear > 0.0 || base.max_angular > 0.0 || base.wheels)
       build.warnings.emplace_back("base: speeds and wheels are left aside, since its type is fixed");
     base.max_linear = base.max_angular = 0.0;
     base.wheels.reset();
-    written.erase("wheels");
   }
   in.get("footprint");  // read with the other collision shapes
   in.finish();

@@ -44,8 +44,10 @@ void read_collision(MapReader& robot, RobotBuild& build);
 void read_sensors(MapReader& robot, RobotBuild& build);
 
 /// `position` and `rpy` (fixed axes x, y, z as in URDF) of a map; also `rotation`, nine numbers row by row, which
-/// resolved robots use. `written` gets what reads back to the same bits.
-Isometry read_pose(MapReader& in, Json& written);
+/// resolved robots use.
+Isometry read_pose(MapReader& in);
+/// The same from the map under a key, if that is there; `written` gets what reads back to the same bits.
+void read_pose(MapReader& outer, const char* name, Isometry& X, Json& written);
 
 /// All pairs of shapes that a controlled joint can move against each other, those of adjacent links left out; in order.
 std::vector<SelfPair> movable_pairs(const RobotModel& model);

@@ -45,9 +45,7 @@ class CollisionReader {
   void read() {
     read_footprint();
     add_wheels();
-    static const Node kNone;
-    const Node* node = robot_.get("collision");
-    MapReader in(node != nullptr ? *node : kNone, robot_.key_of("collision"));
+    MapReader in(robot_, "collision");
     written_["shapes"] = Json::array();
     for (const char* key : {"shapes", "more"})
       if (const Node* list = in.get(key)) read_shapes(*list, in.key_of(key));
@@ -98,13 +96,11 @@ class CollisionReader {
   }
 
   void read_footprint() {
-    const Node* base = robot_.get("base");
-    const Node* node = base != nullptr && base->kind == Node::Kind::kMap ? base->find("footprint") : nullptr;
-    if (node == nullptr || node->kind == Node::Kind::kNull) return;
-    MapReader in(*node, robot_.key_of("base") + ".footprint");
-    Json pose;
+    MapReader base(robot_, "base");
+    if (base.get("footprint") == nullptr) return;
+    MapReader in(base, "footprint");
     const Shape shape = read_shape(in);
-    add(0, shape, read_pose(in, pose));
+    add(0, shape, read_pose(in));
     in.read("mass", model_.base.mass, Range::non_negative());
     in.finish();
     Json json = shape_to_json(model_, model_.shapes.back());
@@ -115,10 +111,9 @@ class CollisionReader {
 
   // Wheels of a given width are boxes of the base.
   void add_wheels() {
-    const Json& base = build_.resolved["base"];
-    if (!model_.base.wheels || !base.contains("wheels") || !base["wheels"].contains("width")) return;
-    const Wheels& wheels = *model_.base.wheels;
-    const Vector3 size(2.0 * wheels.radius, base["wheels"]["width"].get<double>(), 2.0 * wheels.radius);
+    const Wheels wheels = model_.base.wheels.value_or(Wheels{});
+    if (wheels.width == 0.0) return;
+    const Vector3 size(2.0 * wheels.radius, wheels.width, 2.0 * wheels.radius);
     for (const double x : {0.5, -0.5}) {
       for (const double y : {0.5, -0.5}) {
         Isometry X_BS = Isometry::Identity();
@@ -130,19 +125,17 @@ class CollisionReader {
   }
 
   void read_shapes(const Node& list, const std::string& key) {
-    if (list.kind != Node::Kind::kSequence) fail(list.mark, key, "expected a list of shapes");
-    for (std::size_t i = 0; i < list.items.size(); ++i) {
-      MapReader in(list.items[i], key + "[" + std::to_string(i) + "]");
+    for_items(list, key, "a list of shapes", [&](const Node& item, const std::string& at) {
+      MapReader in(item, at);
       in.require("link", "a link of the URDF, or @base");
       std::string name;
       in.read("link", name);
       const int link = link_named(in, "link", name);
-      Json pose;
       const Shape shape = read_shape(in);
-      add(link, shape, read_pose(in, pose));
+      add(link, shape, read_pose(in));
       in.finish();
       written_["shapes"].push_back(shape_to_json(model_, model_.shapes.back()));
-    }
+    });
   }
 
   int link_named(const MapReader& in, const char* key, const std::string& name) const {
@@ -222,15 +215,13 @@ class CollisionReader {
   }
 
   void read_index_pairs(const Node& list, const std::string& key) {
-    if (list.kind != Node::Kind::kSequence) fail(list.mark, key, "expected a list of [shape, shape, row]");
     const auto last = static_cast<long long>(model_.shapes.size()) - 1;
-    for (const Node& item : list.items) {
-      if (item.kind != Node::Kind::kSequence || item.items.size() != 3)
-        fail(item.mark, key, "expected [shape, shape, true or false]");
-      const auto a = static_cast<int>(read_integer(item.items[0], key, 0, last));
-      const auto b = static_cast<int>(read_integer(item.items[1], key, a + 1, last));
-      model_.self_pairs.push_back({a, b, read_bool(item.items[2], key)});
-    }
+    for_items(list, key, "a list of [shape, shape, row]", [&](const Node& item, const std::string& at) {
+      if (item.items.size() != 3) fail(item.mark, at, "expected [shape, shape, true or false]");
+      const auto a = static_cast<int>(read_integer(item.items[0], at, 0, last));
+      const auto b = static_cast<int>(read_integer(item.items[1], at, a + 1, last));
+      model_.self_pairs.push_back({a, b, read_bool(item.items[2], at)});
+    });
   }
 
   // Shapes of a link, or the one shape of that very name (LINK/2).
@@ -250,12 +241,9 @@ class CollisionReader {
   }
 
   void read_named_pairs(const Node& list, const std::string& key) {
-    if (list.kind != Node::Kind::kSequence) fail(list.mark, key, "expected auto or a list of [link, link]");
     std::set<std::pair<int, int>> chosen;
-    for (std::size_t i = 0; i < list.items.size(); ++i) {
-      const Node& item = list.items[i];
-      const std::string at = key + "[" + std::to_string(i) + "]";
-      if (item.kind != Node::Kind::kSequence || item.items.size() != 2) fail(item.mark, at, "expected [link, link]");
+    for_items(list, key, "auto or a list of [link, link]", [&](const Node& item, const std::string& at) {
+      if (item.items.size() != 2) fail(item.mark, at, "expected [link, link]");
       bool moves = false;
       for (const int a : shapes_named(item.items[0], at)) {
         for (const int b : shapes_named(item.items[1], at)) {
@@ -265,7 +253,7 @@ class CollisionReader {
         }
       }
       if (!moves) fail(item.mark, at, "no controlled joint lies between these two, so they never come closer");
-    }
+    });
     const Kinematics at_ready(std::make_shared<RobotModel>(model_));
     for (const auto& [a, b] : chosen) {
       model_.self_pairs.push_back({a, b, true});

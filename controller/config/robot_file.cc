@@ -23,18 +23,16 @@ namespace {
 
 PackagePaths read_packages(MapReader& robot) {
   std::map<std::string, fs::path> named;
-  if (const Node* node = robot.get("packages")) {
-    MapReader in(*node, robot.key_of("packages"));
-    for (const auto& [name, value] : node->entries) {
-      std::string folder;
-      in.read(name, folder);
-      std::error_code error;
-      const fs::path path = directory_of(value.mark) / folder;
-      in.check(fs::is_directory(path, error), name, "found '" + folder + "', which is no folder");
-      named[name] = path;
-    }
-    in.finish();
+  MapReader in(robot, "packages");
+  for (const auto& [name, value] : in.entries()) {
+    std::string folder;
+    in.read(name, folder);
+    std::error_code error;
+    const fs::path path = directory_of(value.mark) / folder;
+    in.check(fs::is_directory(path, error), name, "found '" + folder + "', which is no folder");
+    named[name] = path;
   }
+  in.finish();
   return PackagePaths(std::move(named));
 }
 
@@ -147,25 +145,23 @@ void check_sensor(const Sensor& sensor, MapReader& in, std::set<std::string>& na
 void read_sensors(MapReader& robot, RobotBuild& build) {
   const Node* node = robot.get("sensors");
   if (node == nullptr) return;
-  const std::string key = robot.key_of("sensors");
   std::set<std::string> names;
   Json& written = build.resolved["sensors"] = Json::array();
-  for (const Node& item : description::sequence(*node, key).items) {
+  for_items(*node, robot.key_of("sensors"), "a list of sensors", [&](const Node& item, const std::string& key) {
     robot.check(written.size() < kMostSensors, "sensors",
                 "found more sensors than " + std::to_string(kMostSensors) + ", expected at most so many");
-    MapReader in(item, key + "[" + std::to_string(written.size()) + "]");
+    MapReader in(item, key);
     Sensor sensor;
     read_members(in, sensor);
     check_sensor(sensor, in, names);
     const int link = sensor.link.empty() ? 0 : build.model.find_link(sensor.link);
     in.check(link >= 0, "link", "found '" + sensor.link + "', which is no link of the robot");
     in.finish();
-    Isometry X_LC = Isometry::Identity();
+    Isometry X_LC(rotation_of(sensor.rpy));
     X_LC.translation() = sensor.position;
-    X_LC.linear() = rotation_of(sensor.rpy);
     written.push_back(write_described(sensor));
     build.model.sensors.push_back({std::move(sensor), link, X_LC});
-  }
+  });
 }
 
 std::vector<UrdfCollision> load_urdf_collision(const fs::path& robot_file, UrdfPart part) {

@@ -70,6 +70,7 @@ struct Wheels {
   double separation = 0.5;  ///< W, left to right [m]
   double wheelbase = 0.0;   ///< front to rear [m]; mecanum only
   double max_speed = 20.0;  ///< [rad/s]
+  double width = 0.0;       ///< of a wheel, which is a collision shape then [m]; 0 if not given
 };
 
 struct MobileBase {

@@ -36,10 +36,10 @@ ManipulabilityRows rows_of(const std::string& word) {
 void read_objects(const std::string& json, const RobotModel& model, std::vector<ObjectShape>& shapes,
                   std::vector<ObjectState>& states) {
   const config::Node node = node_of(json, "objects");
-  for (const config::Node& item : node.items) {
+  config::for_items(node, "objects", "a list of objects", [&](const config::Node& item, const std::string& key) {
     const int i = static_cast<int>(shapes.size());
-    read_object(item, "objects[" + std::to_string(i) + "]", i, model, shapes.emplace_back(), states.emplace_back());
-  }
+    read_object(item, key, i, model, shapes.emplace_back(), states.emplace_back());
+  });
 }
 
 }  // namespace
