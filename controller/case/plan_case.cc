@@ -1,7 +1,6 @@
 #include "controller/case/plan_case.h"
 
-#include <cmath>
-#include <optional>
+#include <concepts>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -41,7 +40,7 @@ constexpr void describe(auto&, Of<GoingDirect>) {}
 
 constexpr void describe(auto&, Of<SettingOut>) {}
 
-// The members that stand beside `doing`, goal and path.
+// The members that stand beside `doing` and path.
 constexpr void describe(auto& v, Of<PlanState>) {
   using T = PlanState;
   v.inlined(&T::brief);
@@ -57,6 +56,60 @@ constexpr void describe(auto& v, Of<PlanState>) {
   v.member("beside", &T::beside, unless_default(in_range({0, 1e9}, "", "steps beside the goal")));
   v.member("left", &T::left, unless_default({.text = "whether a path's last part was left to the policy"}));
   v.member("held", &T::held, unless_default({.text = "whether something held the robot off a path's end"}));
+  v.written_where([](const T& state) { return state.has_goal; },
+                  [](auto& g) { g.member("goal", &T::X_WG, {.text = "in the step before"}); });
+}
+
+constexpr void describe(auto& v, Of<Trapezoid>) {
+  v.member("time", &Trapezoid::time, {.unit = "s", .range = Range::non_negative(), .required = true});
+  v.member("rise", &Trapezoid::rise, non_negative("s", "time of speeding up"));
+  v.member("fall", &Trapezoid::fall, non_negative("s", "time of slowing down"));
+}
+
+constexpr void describe(auto& v, Of<PathPart>) {
+  v.member("start", &PathPart::start, {.unit = "s", .range = Range::non_negative(), .required = true});
+  v.inlined(&PathPart::motion);
+  v.member("change", &PathPart::change, {.required = true});
+}
+
+// The members that stand beside its motions.
+constexpr void describe(auto& v, Of<Path>) {
+  using T = Path;
+  v.member("origin", &T::origin, {.required = true});
+  v.member("duration", &T::duration, {.unit = "s", .range = Range::non_negative(), .required = true});
+  v.member("clearance", &T::clearance, non_negative("m", "distance from objects at rest"));
+  v.member("clearance_at_goal", &T::kept_at_goal, unless_default(non_negative("m", "the same at the goal")));
+  v.member("goal", &T::X_WG, {.required = true});
+  v.written_where([](const T& path) { return path.passes(); },
+                  [](auto& g) {
+                    g.member("passes", &T::pass, non_negative("s", "time at which E passes the goal"));
+                    g.member("next_goal", &T::X_WN, {.text = "at which the path ends then"});
+                  });
+}
+
+void read_value(const config::Node& node, const std::string& key, Isometry& X, const About& /*about*/) {
+  config::MapReader in(node, key);
+  X = read_pose(in);
+  in.finish();
+}
+
+template <std::same_as<Isometry> T>
+Json write_value(const T& X, const About& /*about*/) {
+  Json json = Json::object();
+  write_pose(X, json);
+  return json;
+}
+
+void read_value(const config::Node& node, const std::string& key, WholeConfiguration& c, const About& /*about*/) {
+  const std::vector<double> v = config::read_numbers(node, key, -1);
+  if (v.size() > static_cast<std::size_t>(c.MaxRowsAtCompileTime))
+    config::fail(node.mark, key, "found " + config::found_text(node) + ", more than any robot has");
+  c = Eigen::Map<const VectorX>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+template <std::same_as<WholeConfiguration> T>
+Json write_value(const T& c, const About& /*about*/) {
+  return config::description::list_to_json({c.data(), static_cast<std::size_t>(c.size())});
 }
 
 namespace {
@@ -64,99 +117,38 @@ namespace {
 using config::MapReader;
 using config::Node;
 
-struct StoredMotion {
-  double start = 0.0, time = 0.0;
-  std::optional<double> ramp;  // both, in files of simulation version 13 and before
-  double rise = 0.0, fall = 0.0;
-  std::vector<double> change;
-};
-
-constexpr void describe(auto& v, Of<StoredMotion>) {
-  using T = StoredMotion;
-  constexpr About kTime{.unit = "s", .range = Range::non_negative(), .required = true};
-  v.member("start", &T::start, kTime);
-  v.member("time", &T::time, kTime);
-  v.member("ramp", &T::ramp, non_negative("s", "both of the following"));
-  v.member("rise", &T::rise, non_negative("s", "time of speeding up"));
-  v.member("fall", &T::fall, non_negative("s", "time of slowing down"));
-  v.member("change", &T::change, {.required = true, .text = "x, y, phi of the base, and each joint"});
-}
-
-WholeConfiguration read_configuration(const Node& node, const std::string& key, const RobotModel& model) {
-  const std::vector<double> v = config::read_numbers(node, key, 3 + model.num_joints());
-  return Eigen::Map<const VectorX>(v.data(), static_cast<Eigen::Index>(v.size()));
-}
-
-Isometry read_goal(const Node& node, const std::string& key) {
-  MapReader in(node, key);
-  const Isometry X = read_pose(in);
-  in.finish();
-  return X;
-}
-
-Json numbers(const WholeConfiguration& c) {
-  return config::description::list_to_json({c.data(), static_cast<std::size_t>(c.size())});
-}
-
-Json pose(const Isometry& X) {
-  Json json = Json::object();
-  write_pose(X, json);
-  return json;
-}
-
 void read_path(const Node& node, const std::string& key, const RobotModel& model, Path& path) {
   MapReader in(node, key);
-  path.origin =
-      read_configuration(in.require("origin", "a value for x, y, phi and each joint"), in.key_of("origin"), model);
-  path.X_WG = read_goal(in.require("goal", "a pose"), in.key_of("goal"));
-  in.read("clearance", path.clearance, Range::non_negative());
-  in.read("clearance_at_goal", path.kept_at_goal, Range::non_negative());
-  in.read("passes", path.pass, Range::non_negative());
-  if (const Node* next = in.get("next_goal")) path.X_WN = read_goal(*next, in.key_of("next_goal"));
-  in.require("duration", "its time in seconds");
-  in.read("duration", path.duration, Range::non_negative());
+  config::read_members(in, path);
+  const auto check_size = [&](const WholeConfiguration& c, const MapReader& of, const char* name) {
+    const Eigen::Index wanted = 3 + model.num_joints();
+    of.check(c.size() == wanted, name,
+             "found " + std::to_string(c.size()) + " numbers, expected " + std::to_string(wanted) +
+                 ": x, y, phi of the base, and each joint");
+  };
+  check_size(path.origin, in, "origin");
   const Node& motions = in.require("motions", "a list of motions");
-  const std::string list = in.key_of("motions");
-  if (motions.kind != Node::Kind::kSequence || motions.items.empty() || motions.items.size() > Path::kMostMotions)
-    config::fail(motions.mark, list, "expected a list of 1 to " + std::to_string(Path::kMostMotions) + " motions");
-  for (const Node& item : motions.items) {
-    const std::string at = list + "[" + std::to_string(path.count) + "]";
-    StoredMotion stored;
-    config::read_described(item, at, stored);
-    if (static_cast<int>(stored.change.size()) != 3 + model.num_joints())
-      config::fail(item.mark, at + ".change",
-                   "found " + std::to_string(stored.change.size()) + " numbers, expected " +
-                       std::to_string(3 + model.num_joints()) + ": x, y, phi of the base, and each joint");
-    if (stored.ramp) stored.rise = stored.fall = *stored.ramp;
-    if (!(stored.rise + stored.fall <= stored.time * (1.0 + 1e-9)))
-      config::fail(item.mark, at, "expected rise + fall to be no more than `time`");
-    path.add({stored.start,
-              {stored.time, stored.rise, stored.fall},
-              Eigen::Map<const VectorX>(stored.change.data(), static_cast<Eigen::Index>(stored.change.size()))});
-  }
+  in.check(!motions.items.empty() && motions.items.size() <= Path::kMostMotions, "motions",
+           "expected a list of 1 to " + std::to_string(Path::kMostMotions) + " motions");
+  config::for_items(motions, in.key_of("motions"), "a list of motions", [&](const Node& item, const std::string& at) {
+    MapReader motion(item, at);
+    PathPart part;
+    motion.read("ramp", part.motion.rise, Range::non_negative());  // both, in files of simulation version 13 and before
+    part.motion.fall = part.motion.rise;
+    config::read_members(motion, part);
+    motion.finish();
+    check_size(part.change, motion, "change");
+    if (!(part.motion.rise + part.motion.fall <= part.motion.time * (1.0 + 1e-9)))
+      motion.fail("expected rise + fall to be no more than `time`");
+    path.add(part);
+  });
   in.finish();
 }
 
 Json to_json(const Path& path) {
-  Json motions = Json::array();
-  for (int k = 0; k < path.count; ++k) {
-    const PathPart& motion = path.motions[static_cast<std::size_t>(k)];
-    motions.push_back({{"start", motion.start},
-                       {"time", motion.motion.time},
-                       {"rise", motion.motion.rise},
-                       {"fall", motion.motion.fall},
-                       {"change", numbers(motion.change)}});
-  }
-  Json json = {{"origin", numbers(path.origin)},
-               {"motions", std::move(motions)},
-               {"duration", path.duration},
-               {"clearance", path.clearance},
-               {"goal", pose(path.X_WG)}};
-  if (path.passes()) {
-    json["passes"] = path.pass;
-    json["next_goal"] = pose(path.X_WN);
-  }
-  if (std::isfinite(path.kept_at_goal)) json["clearance_at_goal"] = path.kept_at_goal;
+  Json json = config::write_described(path);
+  for (int k = 0; k < path.count; ++k)
+    json["motions"].push_back(config::write_described(path.motions[static_cast<std::size_t>(k)]));
   return json;
 }
 
@@ -179,10 +171,7 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
   }
   (std::make_index_sequence<std::variant_size_v<Doing>>{});
   for (const char* key_of_12 : {"left_path", "start", "detour", "time_detour"}) in.get(key_of_12);
-  if (const Node* goal = in.get("goal")) {
-    state.X_WG = read_goal(*goal, in.key_of("goal"));
-    state.has_goal = true;
-  }
+  state.has_goal = in.get("goal") != nullptr;
   if (const Node* path = in.get("path")) read_path(*path, in.key_of("path"), model, state.path);
   in.check(state.brief.mode != PlanMode::kFollow || state.path.count > 0, "mode", "follow needs a path");
   const auto* going_on = std::get_if<GoingOn>(&state.doing);
@@ -194,7 +183,6 @@ PlanState read_plan_state(const Node& node, const std::string& key, const RobotM
 Json to_json(const PlanState& state) {
   Json json = config::write_described(state);
   std::visit([&](const auto& doing) { config::write_members(doing, json); }, state.doing);
-  if (state.has_goal) json["goal"] = pose(state.X_WG);
   if (state.path.count > 0) json["path"] = to_json(state.path);
   return json;
 }

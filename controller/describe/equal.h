@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <string_view>
 
@@ -74,6 +75,8 @@ bool same(const T& a, const T& b) {
   } else if constexpr (Numbers<T>) {
     const auto x = numbers_of(a), y = numbers_of(b);
     return std::equal(x.begin(), x.end(), y.begin(), y.end(), same<double>);
+  } else if constexpr (std::same_as<T, Eigen::Isometry3d>) {
+    return a.matrix() == b.matrix();
   } else if constexpr (is_std_optional<T>) {
     return a.has_value() == b.has_value() && (!a.has_value() || same(*a, *b));
   } else if constexpr (is_std_vector<T>) {

@@ -240,7 +240,8 @@ TEST_F(RobotFileErrors, Collision) {
   expect_change("collision:\n", "collision:\n  self: [[tip, tip]]\n",
                 {"collision.self[0]", "no controlled joint lies between"});
   expect_change("collision:\n", "collision:\n  self: [tip]\n", {"collision.self[0]: expected [link, link]"});
-  expect_change("collision:\n", "collision:\n  self: always\n", {"collision.self: found 'always', expected auto or a list"});
+  expect_change("collision:\n", "collision:\n  self: always\n",
+                {"collision.self: found 'always', expected auto or a list"});
   EXPECT_EQ(message(replaced(kRobot, "collision:\n", "collision:\n  self: [[\"@base\", tip]]\n")), "");
   const std::string mesh =
       "<link name=\"root\"><collision><geometry><mesh filename=\"gone.stl\"/></geometry></collision></link>";
