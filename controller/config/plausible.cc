@@ -11,32 +11,34 @@
 namespace moma::config {
 namespace {
 
+constexpr const char* kDegrees = ": degrees?";
+constexpr const char* kMillimetres = ": millimetres?";
+constexpr const char* kGrams = ": grams?";
+
 // Ranges for arms and for robots on wheels with an arm, from desk arms to forklifts.
-constexpr Usual kAngle{-2.0 * std::numbers::pi, 2.0 * std::numbers::pi, "rad"};
-constexpr Usual kMount{-3.0, 3.0, "m"};
-constexpr Usual kLinkLength{0.0, 3.0, "m"};
-constexpr Usual kTool{0.0, 2.0, "m"};
-constexpr Usual kLowest{-0.01, 0.3, "m"};
-constexpr Usual kShapeSize{0.0, 3.0, "m"};
+constexpr Usual kAngle{-2.0 * std::numbers::pi, 2.0 * std::numbers::pi, "rad", kDegrees};
+constexpr Usual kMount{-3.0, 3.0, "m", kMillimetres};
+constexpr Usual kLength{0.0, 3.0, "m", kMillimetres};
+constexpr Usual kTool{0.0, 2.0, "m", kMillimetres};
+constexpr Usual kLowest{-0.01, 0.3, "m", ": in the floor, or over it?"};
 constexpr Usual kWheelRadius{0.02, 0.6, "m"};
 constexpr Usual kWheelDistance{0.05, 3.0, "m"};
 constexpr Usual kWheelSpeed{0.5, 300.0, "rad/s"};
 constexpr Usual kSpeed{0.05, 6.0, "m/s"};
-constexpr Usual kTurning{0.05, 12.0, "rad/s"};
+constexpr Usual kTurning{0.05, 12.0, "rad/s", kDegrees};
 constexpr Usual kAcceleration{0.02, 30.0, "m/s^2"};
-constexpr Usual kTurningAcceleration{0.02, 100.0, "rad/s^2"};
-constexpr Usual kBaseMass{1.0, 5000.0, "kg"};
-constexpr Usual kLinkMass{0.0, 500.0, "kg"};
-constexpr Usual kJointAngle{-8.0 * std::numbers::pi, 8.0 * std::numbers::pi, "rad"};
-constexpr Usual kJointTravel{-5.0, 5.0, "m"};
-constexpr Usual kJointSpeed{0.01, 40.0, "rad/s"};
-constexpr Usual kJointTravelSpeed{0.001, 5.0, "m/s"};
+constexpr Usual kTurningAcceleration{0.02, 100.0, "rad/s^2", kDegrees};
+constexpr Usual kBaseMass{1.0, 5000.0, "kg", kGrams};
+constexpr Usual kLinkMass{0.0, 500.0, "kg", kGrams};
+constexpr Usual kJointAngle{-8.0 * std::numbers::pi, 8.0 * std::numbers::pi, "rad", kDegrees};
+constexpr Usual kJointTravel{-5.0, 5.0, "m", kMillimetres};
+constexpr Usual kJointSpeed{0.01, 40.0, "rad/s", kDegrees};
+constexpr Usual kJointTravelSpeed{0.001, 5.0, "m/s", kMillimetres};
 
 using Sentences = std::vector<std::string>;
 
-void look(Sentences& out, const std::string& what, double value, const Usual& usual, const char* hint = "",
-          const char* whose = "robots") {
-  if (std::string text = unusual(what, value, usual, hint, whose); !text.empty()) out.push_back(std::move(text));
+void look(Sentences& out, const std::string& what, double value, const Usual& usual, const char* whose = "robots") {
+  if (std::string text = unusual(what, value, usual, whose); !text.empty()) out.push_back(std::move(text));
 }
 
 /// Every `rpy` below `json`, by its key.
@@ -54,12 +56,12 @@ void look_at_angles(Sentences& out, const Json& json, const std::string& key) {
       continue;
     }
     for (const auto& angle : value)
-      if (angle.is_number()) look(out, here, angle.get<double>(), kAngle, ": degrees?");
+      if (angle.is_number()) look(out, here, angle.get<double>(), kAngle);
   }
 }
 
 void look_at_base(Sentences& out, const MobileBase& base) {
-  for (const double part : base.X_BM.translation()) look(out, "base.mount.position", part, kMount, ": millimetres?");
+  for (const double part : base.X_BM.translation()) look(out, "base.mount.position", part, kMount);
   if (base.wheels) {
     look(out, "base.wheels.radius", base.wheels->radius, kWheelRadius);
     look(out, "base.wheels.separation", base.wheels->separation, kWheelDistance);
@@ -69,14 +71,14 @@ void look_at_base(Sentences& out, const MobileBase& base) {
   if (base.max_linear > 0.0) {
     const double by_wheels = base.wheels ? 1.001 * base.wheels->radius * base.wheels->max_speed : kSpeed.high;
     if (base.max_linear > by_wheels)
-      look(out, "base.max_linear", base.max_linear, {0.0, by_wheels, "m/s"}, " by radius x max_speed", "these wheels");
+      look(out, "base.max_linear", base.max_linear, {0.0, by_wheels, "m/s", " by radius x max_speed"}, "these wheels");
     else
       look(out, "base.max_linear", base.max_linear, kSpeed);
-    look(out, "base.max_angular", base.max_angular, kTurning, ": degrees?");
+    look(out, "base.max_angular", base.max_angular, kTurning);
     look(out, "base.max_acceleration", base.max_acceleration.x(), kAcceleration);
-    look(out, "base.max_acceleration", base.max_acceleration.y(), kTurningAcceleration, ": degrees?");
+    look(out, "base.max_acceleration", base.max_acceleration.y(), kTurningAcceleration);
   }
-  if (base.mass > 0.0) look(out, "base.footprint.mass", base.mass, kBaseMass, ": grams?");
+  if (base.mass > 0.0) look(out, "base.footprint.mass", base.mass, kBaseMass);
 }
 
 /// A body's principal moments of inertia are positive, and none is more than the other two together. Files round them.
@@ -106,17 +108,17 @@ void look_at_footprint(Sentences& out, const RobotModel& model, const Json& reso
     lowest = std::min(lowest, lowest_point(shape.shape, shape.X_LS));
     if (footprint) break;
   }
-  look(out, "base.footprint: its lowest point", lowest, kLowest, ": in the floor, or over it?");
+  look(out, "base.footprint: its lowest point", lowest, kLowest);
 }
 
 }  // namespace
 
-std::string unusual(const std::string& what, double value, const Usual& usual, const char* hint, const char* whose) {
+std::string unusual(const std::string& what, double value, const Usual& usual, const char* whose) {
   if (!std::isfinite(value) || (value >= usual.low && value <= usual.high)) return "";
   std::ostringstream text;
   text.precision(4);
   text << what << ": " << value << ' ' << usual.unit << " is unusual, where " << whose << " have " << usual.low
-       << " to " << usual.high << ' ' << usual.unit << hint;
+       << " to " << usual.high << ' ' << usual.unit << usual.hint;
   return text.str();
 }
 
@@ -125,28 +127,25 @@ std::vector<std::string> implausible(const RobotModel& model, const Json& resolv
   look_at_angles(out, resolved, "");
   look_at_base(out, model.base);
   look_at_footprint(out, model, resolved);
-  look(out, "arm.tool: its distance from the tip", model.X_TE.translation().norm(), kTool, ": millimetres?");
+  look(out, "arm.tool: its distance from the tip", model.X_TE.translation().norm(), kTool);
   for (std::size_t l = 2; l < model.links.size(); ++l) {  // the root hangs at the mount
     const Link& link = model.links[l];
-    look(out, "joint " + link.joint + ": the way from its parent's", link.X_PJ.translation().norm(), kLinkLength,
-         ": millimetres?");
+    look(out, "joint " + link.joint + ": the way from its parent's", link.X_PJ.translation().norm(), kLength);
   }
   for (const Link& link : model.links) {
     if (!link.inertial) continue;
-    look(out, "link " + link.name + ": mass", link.inertial->mass, kLinkMass, ": grams?");
+    look(out, "link " + link.name + ": mass", link.inertial->mass, kLinkMass);
     look_at_inertia(out, link);
   }
   for (const ControlledJoint& joint : model.joints) {
     const bool slides = joint.type == JointType::kPrismatic;
     for (const double limit : {joint.lower, joint.upper})
       if (std::isfinite(limit))
-        look(out, "joint " + joint.name + ": limit", limit, slides ? kJointTravel : kJointAngle,
-             slides ? ": millimetres?" : ": degrees?");
-    look(out, "joint " + joint.name + ": velocity", joint.velocity, slides ? kJointTravelSpeed : kJointSpeed,
-         slides ? ": millimetres?" : ": degrees?");
+        look(out, "joint " + joint.name + ": limit", limit, slides ? kJointTravel : kJointAngle);
+    look(out, "joint " + joint.name + ": velocity", joint.velocity, slides ? kJointTravelSpeed : kJointSpeed);
   }
   for (const CollisionShape& shape : model.shapes)
-    look(out, "shape " + shape.name + ": size", shape.shape.size.cwiseAbs().maxCoeff(), kShapeSize, ": millimetres?");
+    look(out, "shape " + shape.name + ": size", shape.shape.size.cwiseAbs().maxCoeff(), kLength);
   return out;
 }
 

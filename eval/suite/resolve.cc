@@ -99,22 +99,21 @@ void warn_of_units(const TrialSpec& s, std::vector<std::string>& warnings) {
     const char* key;
     double value;
     config::Usual usual;
-    const char* hint;
   } values[] = {
-      {"success.position", s.success.position, {0.0, 0.5, "m"}, millimetres},
-      {"success.orientation", s.success.orientation, {0.0, 1.0, "rad"}, degrees},
-      {"disturbances.joints.noise", d.joints.noise, {0.0, 0.2, "rad"}, degrees},
-      {"disturbances.joints.bias", d.joints.bias, {0.0, 0.2, "rad"}, degrees},
-      {"disturbances.base.noise.position", d.base.noise.position, {0.0, 0.5, "m"}, millimetres},
-      {"disturbances.base.noise.rotation", d.base.noise.rotation, {0.0, 0.5, "rad"}, degrees},
-      {"disturbances.objects.noise.position", d.objects.noise.position, {0.0, 0.5, "m"}, millimetres},
-      {"disturbances.objects.noise.rotation", d.objects.noise.rotation, {0.0, 0.5, "rad"}, degrees},
-      {"disturbances.goal.noise.position", d.goal.noise.position, {0.0, 0.5, "m"}, millimetres},
-      {"disturbances.goal.noise.rotation", d.goal.noise.rotation, {0.0, 0.5, "rad"}, degrees},
-      {"disturbances.payload.mass", d.payload.mass, {0.0, 50.0, "kg"}, ": grams?"},
+      {"success.position", s.success.position, {0.0, 0.5, "m", millimetres}},
+      {"success.orientation", s.success.orientation, {0.0, 1.0, "rad", degrees}},
+      {"disturbances.joints.noise", d.joints.noise, {0.0, 0.2, "rad", degrees}},
+      {"disturbances.joints.bias", d.joints.bias, {0.0, 0.2, "rad", degrees}},
+      {"disturbances.base.noise.position", d.base.noise.position, {0.0, 0.5, "m", millimetres}},
+      {"disturbances.base.noise.rotation", d.base.noise.rotation, {0.0, 0.5, "rad", degrees}},
+      {"disturbances.objects.noise.position", d.objects.noise.position, {0.0, 0.5, "m", millimetres}},
+      {"disturbances.objects.noise.rotation", d.objects.noise.rotation, {0.0, 0.5, "rad", degrees}},
+      {"disturbances.goal.noise.position", d.goal.noise.position, {0.0, 0.5, "m", millimetres}},
+      {"disturbances.goal.noise.rotation", d.goal.noise.rotation, {0.0, 0.5, "rad", degrees}},
+      {"disturbances.payload.mass", d.payload.mass, {0.0, 50.0, "kg", ": grams?"}},
   };
   for (const auto& v : values)
-    if (std::string text = config::unusual(v.key, v.value, v.usual, v.hint, "suites"); !text.empty())
+    if (std::string text = config::unusual(v.key, v.value, v.usual, "suites"); !text.empty())
       add_warning(warnings, std::move(text));
 }
 
