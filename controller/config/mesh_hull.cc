@@ -108,10 +108,6 @@ Mesh read_mesh(const fs::path& file, const Vector3& scale) {
   return mesh;
 }
 
-MeshSolid mesh_solid(const fs::path& file, const Vector3& scale) {
-  return point_solid(read_mesh(file, scale).vertices);
-}
-
 MeshSolid point_solid(std::vector<Vector3> cloud) {
   Eigen::AlignedBox3d box;
   for (const Vector3& p : cloud) box.extend(p);
@@ -124,18 +120,17 @@ MeshSolid point_solid(std::vector<Vector3> cloud) {
     solid.shape = {ShapeKind::kBox, box.sizes().cwiseMax(1e-3), nullptr};
     return solid;
   }
-  std::optional<ConvexHull> whole = convex_hull(cloud);
-  if (!whole || static_cast<int>(whole->vertices.size()) > kHullVertices) {
+  std::optional<ConvexHull> hull = convex_hull(cloud);
+  if (!hull || static_cast<int>(hull->vertices.size()) > kHullVertices) {
     EnclosingHull around;
     for (const int vertices : {kHullVertices, kMostHullVertices}) {
-      around = enclosing_hull(whole ? whole->vertices : cloud, vertices, std::move(around.chosen));
-      solid.excess = excess(around.hull, whole ? *whole : around.inside);
+      around = enclosing_hull(hull ? hull->vertices : cloud, vertices, std::move(around.chosen));
+      solid.excess = excess(around.hull, hull ? *hull : around.inside);
       if (solid.excess <= kHullExcess) break;
     }
-    solid.shape = {ShapeKind::kConvex, Vector3::Zero(), std::make_shared<ConvexHull>(std::move(around.hull))};
-    return solid;
+    hull = std::move(around.hull);
   }
-  solid.shape = {ShapeKind::kConvex, Vector3::Zero(), std::make_shared<ConvexHull>(*std::move(whole))};
+  solid.shape = {ShapeKind::kConvex, Vector3::Zero(), std::make_shared<ConvexHull>(*std::move(hull))};
   return solid;
 }
 

@@ -43,7 +43,4 @@ Mesh read_mesh(const fs::path& file, const Vector3& scale);
 /// out than kHullExcess.
 MeshSolid point_solid(std::vector<Vector3> cloud);
 
-/// Returns the solid of all vertices of a mesh file. Throws std::runtime_error: unreadable, empty, not finite.
-MeshSolid mesh_solid(const fs::path& file, const Vector3& scale);
-
 }  // namespace moma::config

@@ -42,7 +42,7 @@ std::vector<fs::path> wheel_shares(const fs::path& directory) {
 
 }  // namespace
 
-fs::path PackagePaths::resolve(const std::string& uri, const fs::path& directory) const {
+fs::path PackagePaths::resolve(const std::string& uri) const {
   constexpr std::string_view kPackage = "package://";
   constexpr std::string_view kFile = "file://";
   if (uri.rfind(kPackage, 0) != 0) {
@@ -68,8 +68,8 @@ fs::path PackagePaths::resolve(const std::string& uri, const fs::path& directory
     return false;
   };
 
-  const auto given = named_.find(name);
-  if (given != named_.end() && look(given->second, true)) return found;
+  const auto given = named.find(name);
+  if (given != named.end() && look(given->second, true)) return found;
   if (const char* variable = std::getenv("MOMA_PACKAGE_PATH")) {
     std::string folders(variable);
     for (std::size_t start = 0; start <= folders.size();) {

@@ -2,7 +2,6 @@
 
 #include <map>
 #include <string>
-#include <utility>
 
 #include "controller/config/paths.h"
 
@@ -12,18 +11,13 @@ namespace moma::config {
 /// colons, each holding NAME); a folder NAME beside or above the file that asks;
 /// .venv/lib/python3*/site-packages/cmeel.prefix/share/NAME beside or above that file, the working directory or the
 /// program.
-class PackagePaths {
- public:
-  PackagePaths() = default;
-  /// `named`: package name to its folder, absolute or relative to the working directory.
-  explicit PackagePaths(std::map<std::string, fs::path> named) : named_(std::move(named)) {}
+struct PackagePaths {
+  std::map<std::string, fs::path> named;  ///< folders of packages, absolute or relative to the working directory
+  fs::path directory;                     ///< of the file that asks
 
   /// The file behind package://..., file://..., an absolute path or one relative to `directory`.
   /// Throws std::runtime_error that says where it was looked for.
-  fs::path resolve(const std::string& uri, const fs::path& directory) const;
-
- private:
-  std::map<std::string, fs::path> named_;
+  fs::path resolve(const std::string& uri) const;
 };
 
 }  // namespace moma::config

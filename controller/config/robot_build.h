@@ -19,7 +19,6 @@ struct RobotBuild {
   RobotModel model;
   UrdfTree tree;  ///< link i of the tree is link i + 1 of the model
   PackagePaths packages;
-  fs::path urdf_directory;
   Json resolved = Json::object();
   std::vector<std::string> warnings;
   std::vector<std::string> notes;

@@ -171,11 +171,12 @@ class CollisionReader {
           add(link, geometry.shape, geometry.X_LS);
         } else {
           try {
-            const auto file = build_.packages.resolve(geometry.mesh, build_.urdf_directory);
+            const auto file = build_.packages.resolve(geometry.mesh);
             const Vector3& s = geometry.scale;
             const MeshSolids::key_type name(file.string(), {s.x(), s.y(), s.z()});
             auto at = build_.meshes->find(name);
-            if (at == build_.meshes->end()) at = build_.meshes->emplace(name, mesh_solid(file, s)).first;
+            if (at == build_.meshes->end())
+              at = build_.meshes->emplace(name, point_solid(read_mesh(file, s).vertices)).first;
             if (at->second.flat)
               build_.warnings.push_back("link " + source.name + ": the flat mesh " + geometry.mesh +
                                         " became a thin box");

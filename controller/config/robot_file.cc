@@ -21,8 +21,7 @@
 namespace moma::config {
 namespace {
 
-PackagePaths read_packages(MapReader& robot) {
-  std::map<std::string, fs::path> named;
+void read_packages(MapReader& robot, std::map<std::string, fs::path>& named) {
   MapReader in(robot, "packages");
   for (const auto& [name, value] : in.entries()) {
     std::string folder;
@@ -33,7 +32,6 @@ PackagePaths read_packages(MapReader& robot) {
     named[name] = path;
   }
   in.finish();
-  return PackagePaths(std::move(named));
 }
 
 LoadedRobot build_robot(const Node& node, const std::string& key, MeshSolids& meshes) {
@@ -59,7 +57,7 @@ LoadedRobot build_robot(const Node& node, const std::string& key, MeshSolids& me
 }  // namespace
 
 void read_urdf_of(MapReader& robot, RobotBuild& build) {
-  build.packages = read_packages(robot);
+  read_packages(robot, build.packages.named);
   const Node* text_node = robot.get("urdf_text");  // only in resolved robots
   const Node* path_node = robot.get("urdf");
   std::string text;
@@ -71,8 +69,9 @@ void read_urdf_of(MapReader& robot, RobotBuild& build) {
   } else {
     const std::string uri = read_string(node, robot.key_of("urdf"));
     try {
-      const fs::path file = build.packages.resolve(uri, directory_of(node.mark));
-      build.urdf_directory = file.parent_path();
+      build.packages.directory = directory_of(node.mark);
+      const fs::path file = build.packages.resolve(uri);
+      build.packages.directory = file.parent_path();
       name = file.string();
       text = read_text_file(file);
     } catch (const std::runtime_error& e) {
@@ -174,7 +173,7 @@ std::vector<UrdfCollision> load_urdf_collision(const fs::path& robot_file, UrdfP
     UrdfCollision element{link, geometry.mesh, geometry.shape, {}, geometry.X_LS};
     if (!geometry.mesh.empty()) {
       try {
-        element.surface = read_mesh(build.packages.resolve(geometry.mesh, build.urdf_directory), geometry.scale);
+        element.surface = read_mesh(build.packages.resolve(geometry.mesh), geometry.scale);
       } catch (const std::runtime_error& e) {
         robot.fail_at("urdf", "link " + link + ": " + e.what());
       }

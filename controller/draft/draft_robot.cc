@@ -135,8 +135,8 @@ class Drafter {
                            options_.urdf.filename().string()));
     if (urdf_.tree.name.empty()) lines_.add(0, "name: " + config::yaml_scalar(options_.urdf.stem().string()));
     lines_.add(0, "urdf: " + from_here(options_.urdf));
-    if (!urdf_.packages.empty()) lines_.add(0, "packages:");
-    for (const auto& [name, folder] : urdf_.packages) {
+    if (!urdf_.packages.named.empty()) lines_.add(0, "packages:");
+    for (const auto& [name, folder] : urdf_.packages.named) {
       const bool renamed = std::find(urdf_.renamed.begin(), urdf_.renamed.end(), name) != urdf_.renamed.end();
       lines_.add(1, config::yaml_scalar(name) + ": " + from_here(folder),
                  renamed ? "a folder of another name has its meshes" : "", renamed);

@@ -19,20 +19,21 @@ void find_package(UrdfFacts& urdf, const std::string& uri) {
   if (uri.rfind(kPackage, 0) != 0 || slash == std::string::npos) return;
   const std::string name = uri.substr(kPackage.size(), slash - kPackage.size());
   const fs::path inside = uri.substr(slash + 1);
-  if (urdf.packages.count(name) != 0) return;
+  if (urdf.packages.named.count(name) != 0) return;
+  const fs::path& directory = urdf.packages.directory;
   std::error_code error;
   fs::path folder;
   try {
-    folder = fs::absolute(config::PackagePaths().resolve(uri, urdf.directory)).lexically_normal();
+    folder = fs::absolute(config::PackagePaths{{}, directory}.resolve(uri)).lexically_normal();
     for (auto part = inside.begin(); part != inside.end(); ++part) folder = folder.parent_path();
-    const fs::path from = urdf.directory.lexically_relative(folder.parent_path());
+    const fs::path from = directory.lexically_relative(folder.parent_path());
     if (!from.empty() && *from.begin() != "..") return;  // beside or above the URDF
   } catch (const std::runtime_error&) {
-    for (folder = urdf.directory; !fs::is_regular_file(folder / inside, error); folder = folder.parent_path())
+    for (folder = directory; !fs::is_regular_file(folder / inside, error); folder = folder.parent_path())
       if (folder == folder.parent_path()) return;
     urdf.renamed.push_back(name);
   }
-  urdf.packages[name] = folder;
+  urdf.packages.named[name] = folder;
 }
 
 }  // namespace
@@ -41,7 +42,7 @@ UrdfFacts facts_of(const std::string& text, UrdfReading reading, const fs::path&
   UrdfFacts facts;
   facts.tree = read_urdf(text, reading);
   facts.visuals = read_urdf_visuals(text);
-  facts.directory = fs::absolute(directory.empty() ? "." : directory).lexically_normal();
+  facts.packages.directory = fs::absolute(directory.empty() ? "." : directory).lexically_normal();
   facts.children.resize(facts.tree.links.size());
   facts.X_RL.assign(facts.tree.links.size(), Isometry::Identity());
   for (int i = 1; i < facts.size(); ++i) {
@@ -60,8 +61,7 @@ std::vector<Vector3> outline(const UrdfFacts& urdf, const UrdfGeometry& shape) {
   const Vector3& size = shape.shape.size;
   if (!shape.mesh.empty()) {
     try {
-      points = config::read_mesh(config::PackagePaths(urdf.packages).resolve(shape.mesh, urdf.directory), shape.scale)
-                   .vertices;
+      points = config::read_mesh(urdf.packages.resolve(shape.mesh), shape.scale).vertices;
     } catch (const std::runtime_error&) {
       return {};
     }

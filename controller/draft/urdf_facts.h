@@ -16,9 +16,8 @@ struct UrdfFacts {
   std::vector<Isometry, Eigen::aligned_allocator<Isometry>> X_RL;  ///< pose of the links, all joints at 0
   std::vector<std::vector<int>> children;
   std::vector<UrdfVisual> visuals;
-  fs::path directory;                        ///< folder of the URDF
-  std::map<std::string, fs::path> packages;  ///< packages that the robot file has to name
-  std::vector<std::string> renamed;          ///< packages among them whose folder has another name
+  config::PackagePaths packages;     ///< named: those that the robot file has to name
+  std::vector<std::string> renamed;  ///< packages among them whose folder has another name
 
   const UrdfLink& link(int i) const { return tree.links[static_cast<std::size_t>(i)]; }
   const Isometry& X_R(int i) const { return X_RL[static_cast<std::size_t>(i)]; }

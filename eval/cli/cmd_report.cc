@@ -26,22 +26,7 @@
 namespace moma::cli {
 namespace {
 
-/// Search path of a robot's meshes.
-struct Place {
-  config::PackagePaths packages;
-  fs::path folder;
-};
-
-Place place_of(const fs::path& robot_file, std::string& urdf) {
-  const config::Node node = config::load_yaml(robot_file);
-  config::MapReader robot(node, "");
-  config::RobotBuild build;
-  config::read_urdf_of(robot, build);
-  urdf = build.resolved.at("urdf_text").get<std::string>();
-  return {build.packages, build.urdf_directory};
-}
-
-reports::VisualPart part_of(const UrdfVisual& visual, const Place& place) {
+reports::VisualPart part_of(const UrdfVisual& visual, const config::PackagePaths& packages) {
   const UrdfGeometry& geometry = visual.geometry;
   reports::VisualPart part;
   part.link = visual.link;
@@ -56,7 +41,7 @@ reports::VisualPart part_of(const UrdfVisual& visual, const Place& place) {
     part.shape = {{"shape", to_string(geometry.shape.kind)}, {"size", {size.x(), size.y(), size.z()}}};
     return part;
   }
-  const config::Mesh mesh = config::read_mesh(place.packages.resolve(geometry.mesh, place.folder), geometry.scale);
+  const config::Mesh mesh = config::read_mesh(packages.resolve(geometry.mesh), geometry.scale);
   for (const Vector3& p : mesh.vertices) part.surface.vertices.push_back({p.x(), p.y(), p.z()});
   for (const Eigen::Vector3i& t : mesh.triangles) part.surface.triangles.push_back({t.x(), t.y(), t.z()});
   return part;
@@ -93,11 +78,13 @@ reports::MapMotion map_of(const TrialDetail& of) {
 /// file:// lead. `robots`: robot files; where one names the same URDF, its packages and its folder are looked in as
 /// well.
 reports::Look robot_look(const std::vector<fs::path>& robots) {
-  std::map<std::string, Place> places;
-  for (const fs::path& robot : robots) {
-    std::string urdf;
-    Place place = place_of(robot, urdf);
-    places[urdf] = std::move(place);
+  std::map<std::string, config::PackagePaths> places;  // by the URDF's text
+  for (const fs::path& file : robots) {
+    const config::Node node = config::load_yaml(file);
+    config::MapReader robot(node, "");
+    config::RobotBuild build;
+    config::read_urdf_of(robot, build);
+    places[build.resolved.at("urdf_text").get<std::string>()] = build.packages;
   }
   return [places](const Json& robot) {
     std::vector<reports::VisualPart> parts;
@@ -105,7 +92,7 @@ reports::Look robot_look(const std::vector<fs::path>& robots) {
       const std::string urdf = robot.at("urdf_text").get<std::string>();
       const auto named = places.find(urdf);
       for (const UrdfVisual& visual : read_urdf_visuals(urdf))
-        parts.push_back(part_of(visual, named != places.end() ? named->second : Place{}));
+        parts.push_back(part_of(visual, named != places.end() ? named->second : config::PackagePaths{}));
     } catch (const std::exception& error) {
       std::cerr << terminal_safe(fmt::format("robot {} is shown as its collision shapes: {}; where its robot file says "
                                              "more: --look ROBOT.yaml",
