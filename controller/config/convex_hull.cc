@@ -45,11 +45,6 @@ std::optional<std::array<std::size_t, 4>> tetrahedron(const Vertices& cloud) {
   return std::array<std::size_t, 4>{0, b, c, d};
 }
 
-Triangle3 corners(const ConvexHull& hull, const Eigen::Vector3i& triangle) {
-  const auto at = [&](int i) { return hull.vertices[static_cast<std::size_t>(triangle[i])]; };
-  return {at(0), at(1), at(2)};
-}
-
 Vector3 mean(const Vertices& points) {
   Vector3 sum = Vector3::Zero();
   for (const Vector3& p : points) sum += p / static_cast<double>(points.size());
@@ -101,7 +96,7 @@ class Planes {
     std::vector<Plane> planes;
     std::map<std::array<double, 9>, Plane> known;
     for (const Eigen::Vector3i& t : hull.triangles) {
-      const Triangle3 at = corners(hull, t);
+      const Triangle3 at = corners(hull.vertices, t);
       std::array<double, 9> key;
       for (std::size_t i = 0; i < 3; ++i) Eigen::Map<Vector3>{&key[3 * i]} = at[i];
       const auto before = known_.find(key);
@@ -158,6 +153,11 @@ double squared_to_segment(const Vector3& p, const Vector3& a, const Vector3& b) 
 
 }  // namespace
 
+Triangle3 corners(const std::vector<Vector3>& vertices, const Eigen::Vector3i& triangle) {
+  const auto at = [&](int i) { return vertices[static_cast<std::size_t>(triangle[i])]; };
+  return {at(0), at(1), at(2)};
+}
+
 bool in_one_plane(const std::vector<Vector3>& points) { return !tetrahedron(points); }
 
 std::optional<ConvexHull> convex_hull(const std::vector<Vector3>& points) {
@@ -194,7 +194,7 @@ bool is_hull(const ConvexHull& hull) {
   std::map<int, int> faces;  // of each vertex
   for (const Eigen::Vector3i& t : hull.triangles) {
     for (int i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}], ++faces[t[i]];
-    const Triangle3 at = corners(hull, t);
+    const Triangle3 at = corners(hull.vertices, t);
     const Vector3 normal = face_normal(at, length);
     for (const Vector3& v : hull.vertices)
       if (normal.dot(v - at[0]) > 1e-6 * length) return false;
@@ -253,14 +253,14 @@ double distance_to_triangle(const Triangle3& t, const Vector3& p) noexcept {
 DistanceOutside::DistanceOutside(const ConvexHull& hull) : hull_(hull) {
   const double length = length_of(hull.vertices);
   rounding_ = 1e-9 * length;
-  for (const Eigen::Vector3i& t : hull.triangles) normals_.push_back(face_normal(corners(hull, t), length));
+  for (const Eigen::Vector3i& t : hull.triangles) normals_.push_back(face_normal(corners(hull.vertices, t), length));
 }
 
 double DistanceOutside::of(const Vector3& p) const noexcept {
   double least = std::numeric_limits<double>::infinity();
   bool outside = false;
   for (std::size_t i = 0; i < normals_.size(); ++i) {
-    const Triangle3 at = corners(hull_, hull_.triangles[i]);
+    const Triangle3 at = corners(hull_.vertices, hull_.triangles[i]);
     const double height = normals_[i].dot(p - at[0]);
     if (normals_[i].isZero() || height < -rounding_) continue;  // only faces that look at p can hold the nearest point
     outside |= height > rounding_;

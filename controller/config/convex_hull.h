@@ -10,6 +10,9 @@ namespace moma::config {
 
 using Triangle3 = std::array<Vector3, 3>;
 
+/// The corners of a triangle of indices.
+Triangle3 corners(const std::vector<Vector3>& vertices, const Eigen::Vector3i& triangle);
+
 /// True for points of no volume: thickness over length below 1e-7, or fewer than four.
 bool in_one_plane(const std::vector<Vector3>& points);
 

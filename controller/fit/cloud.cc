@@ -41,6 +41,12 @@ Points corners(const Triangles& triangles) {
   return points;
 }
 
+Triangles together(const std::vector<Triangles>& surfaces) {
+  Triangles all;
+  for (const Triangles& surface : surfaces) all.insert(all.end(), surface.begin(), surface.end());
+  return all;
+}
+
 Triangles clipped(const Triangles& triangles, const Vector3& axis, double low, double high) {
   Triangles kept;
   for (const Triangle& t : triangles) {

@@ -13,6 +13,8 @@ using Triangles = std::vector<Triangle>;
 
 Points corners(const Triangles& triangles);
 
+Triangles together(const std::vector<Triangles>& surfaces);
+
 /// Returns the part of the surface in low <= axis . x <= high: triangles cut at the two planes (Sutherland-Hodgman). A
 /// convex solid around its corners also encloses that part of the body inside: every extreme point is a corner.
 Triangles clipped(const Triangles& triangles, const Vector3& axis, double low, double high);

@@ -145,8 +145,8 @@ std::vector<Vector3> normals(const Points& points, Effort effort) {
   // Without a hull all points lie in one plane, whose normal is the last principal axis.
   const std::optional<ConvexHull> hull = points.size() < 5 ? std::nullopt : config::convex_hull(points);
   for (std::size_t i = 0; hull && i < hull->triangles.size(); ++i) {
-    const auto at = [&](int k) { return hull->vertices[static_cast<std::size_t>(hull->triangles[i][k])]; };
-    const Vector3 n = (at(1) - at(0)).cross(at(2) - at(0));
+    const auto [a, b, c] = config::corners(hull->vertices, hull->triangles[i]);
+    const Vector3 n = (b - a).cross(c - a);
     if (n.norm() > 1e-12) all.emplace_back(n.normalized());
   }
   return all;

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "controller/config/convex_hull.h"
 #include "controller/config/robot_build.h"
 #include "controller/config/robot_file.h"
 #include "controller/config/urdf_collision.h"
@@ -45,10 +46,7 @@ Triangles surface_of(const UrdfCollision& element) {
     triangles = prism(element.shape.size);
   } else {
     const auto& vertices = element.surface.vertices;
-    for (const Eigen::Vector3i& t : element.surface.triangles) {
-      const auto at = [&](int i) { return vertices[static_cast<std::size_t>(t[i])]; };
-      triangles.push_back({at(0), at(1), at(2)});
-    }
+    for (const Eigen::Vector3i& t : element.surface.triangles) triangles.push_back(config::corners(vertices, t));
     if (triangles.empty())  // points only
       for (const Vector3& v : vertices) triangles.push_back({v, v, v});
   }
@@ -74,59 +72,31 @@ std::string described(const std::vector<const UrdfCollision*>& elements) {
   return fmt::format("{} ({} triangles){}{}", name, triangles, primitives.empty() ? "" : ", ", kinds_text(primitives));
 }
 
-bool same_points(const Triangles& a, const Triangles& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const Triangle& x, const Triangle& y) { return x[0] == y[0] && x[1] == y[1] && x[2] == y[2]; });
-}
-
-/// Cache of fits: links of arms of the same type have the same geometry.
-class Fitted {
- public:
-  /// Fits shapes around the surfaces and stores them with their error and origin.
-  void fit(const std::vector<Triangles>& surfaces, const FitOptions& options, LinkFit& link) {
-    const auto known = std::find_if(all_.begin(), all_.end(), [&](const One& one) {
-      return one.box_weight == options.kinds.box_weight &&
-             std::equal(one.surfaces.begin(), one.surfaces.end(), surfaces.begin(), surfaces.end(), same_points);
-    });
-    if (known != all_.end()) {
-      link.fitted = known->shapes;
-      link.error = known->error;
-      link.like = known->link;
-      return;
-    }
-    link.fitted = fit_surfaces(surfaces, options);
-    link.error = measure(link.surface, link.fitted);
-    all_.push_back({surfaces, options.kinds.box_weight, link.link, link.fitted, link.error});
-  }
-
- private:
-  struct One {
-    std::vector<Triangles> surfaces;
-    double box_weight = 0.0;  // the one option that differs between links
-    std::string link;
-    std::vector<Placed> shapes;
-    FitError error;
-  };
-  std::vector<One> all_;
-};
-
+// Links of arms of the same type have the same geometry: the fit of an earlier one is taken over.
 LinkFit fit_link(const std::string& link, const std::vector<const UrdfCollision*>& elements, const FitOptions& options,
-                 Fitted& fitted) {
+                 const std::vector<LinkFit>& earlier) {
   LinkFit fit;
   fit.link = link;
   fit.had = described(elements);
-  std::vector<Triangles> surfaces;
+  fit.box_weight = options.kinds.box_weight;
   for (const UrdfCollision* element : elements) {
-    const ShapeKind kind = element->shape.kind;
-    if (element->mesh.empty() && kind != ShapeKind::kCylinder) {
+    if (element->mesh.empty() && element->shape.kind != ShapeKind::kCylinder)
       fit.kept.push_back(as_it_is(element->shape, element->X_LS));
-      continue;
-    }
-    surfaces.push_back(surface_of(*element));
-    fit.surface.insert(fit.surface.end(), surfaces.back().begin(), surfaces.back().end());
+    else
+      fit.surfaces.push_back(surface_of(*element));
   }
-  if (surfaces.empty()) return fit;
-  fitted.fit(surfaces, options, fit);
+  if (fit.surfaces.empty()) return fit;
+  const auto same = std::find_if(earlier.begin(), earlier.end(), [&](const LinkFit& other) {
+    return other.box_weight == fit.box_weight && other.surfaces == fit.surfaces;
+  });
+  if (same != earlier.end()) {
+    fit.fitted = same->fitted;
+    fit.error = same->error;
+    fit.like = same->link;
+  } else {
+    fit.fitted = fit_surfaces(fit.surfaces, options);
+    fit.error = measure(together(fit.surfaces), fit.fitted);
+  }
   return fit;
 }
 
@@ -260,13 +230,12 @@ RobotFit fit_robot(const fs::path& robot_file, const FitOptions& options, const 
   }
   if (links.empty())
     source.refuse("every link with collision geometry in the URDF has shapes under collision.shapes: nothing to fit");
-  Fitted fitted;
   for (const auto& [link, elements] : links) {
     if (progress) progress(link, result.links.size() + 1, links.size());
     FitOptions of_link = options;
     if (model->mobile() && !config::can_move_against(*model, 0, model->find_link(link)))
       of_link.kinds.box_weight = kBaseBoxWeight;
-    result.links.push_back(fit_link(link, elements, of_link, fitted));
+    result.links.push_back(fit_link(link, elements, of_link, result.links));
   }
 
   result.collision = source.collision(result.links);

@@ -16,12 +16,13 @@ namespace moma::fit {
 /// A link whose shapes are fitted to its collision geometry in the URDF.
 struct LinkFit {
   std::string link;
-  std::string had;             ///< "link0.stl (200 triangles)", "cylinder", "4 boxes", ...
-  Triangles surface;           ///< meshes and cylinders in the link's frame; empty if there are none
-  std::vector<Placed> kept;    ///< the URDF's own spheres and boxes
-  std::vector<Placed> fitted;  ///< shapes around `surface`
-  FitError error;              ///< of `fitted`
-  std::string like;            ///< an earlier link with the same surface, whose fit is reused; "" without one
+  std::string had;                  ///< "link0.stl (200 triangles)", "cylinder", "4 boxes", ...
+  std::vector<Triangles> surfaces;  ///< of each mesh and cylinder, in the link's frame
+  double box_weight = kBoxWeight;   ///< with which shapes were fitted
+  std::vector<Placed> kept;         ///< the URDF's own spheres and boxes
+  std::vector<Placed> fitted;       ///< shapes around `surfaces`
+  FitError error;                   ///< of `fitted`
+  std::string like;  ///< an earlier link with the same surfaces and weight, whose fit is reused; "" without one
 };
 
 struct SelfContact {

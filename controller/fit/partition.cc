@@ -58,6 +58,7 @@ double cost_of(const Parts& parts, const Kinds& kinds) {
 
 // A cut of part `which` across `axis` at these positions, in ascending order.
 struct Cut {
+  const Parts* of = nullptr;
   std::size_t which = 0;
   Vector3 axis = Vector3::UnitX();
   std::vector<double> at;
@@ -118,7 +119,7 @@ void add_cuts(const Parts& parts, std::size_t which, int pieces, const Kinds& ki
     Slabs slabs(parts[which], axis, kinds);
     const auto consider = [&](const std::vector<int>& at) {
       std::vector<Solid> solids = others;
-      Cut cut{which, axis, {}, 0.0};
+      Cut cut{&parts, which, axis, {}, 0.0};
       int from = 0;
       for (std::size_t i = 0; i <= at.size(); ++i) {
         const int to = i < at.size() ? at[i] : kSlabs;
@@ -138,8 +139,9 @@ void add_cuts(const Parts& parts, std::size_t which, int pieces, const Kinds& ki
   }
 }
 
-Parts applied(const Parts& parts, const Cut& cut, const Kinds& kinds) {
+Parts applied(const Cut& cut, const Kinds& kinds) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
+  const Parts& parts = *cut.of;
   Parts result;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (i != cut.which) {
@@ -158,24 +160,14 @@ Parts applied(const Parts& parts, const Cut& cut, const Kinds& kinds) {
 
 // Returns the best of the most promising cuts; empty if nothing can be cut.
 Parts best_cut(const Parts& whole, const Parts& parts, const Kinds& kinds) {
-  struct Choice {
-    const Parts* of;
-    Cut cut;
-  };
-  std::vector<Choice> choices;
-  const auto add = [&](const Parts& of, std::size_t which, int pieces) {
-    std::vector<Cut> cuts;
-    add_cuts(of, which, pieces, kinds, cuts);
-    for (Cut& cut : cuts) choices.push_back({&of, std::move(cut)});
-  };
-  for (std::size_t i = 0; i < parts.size(); ++i) add(parts, i, 2);
-  if (parts.size() == 2) add(whole, 0, 3);
-  std::stable_sort(choices.begin(), choices.end(),
-                   [](const Choice& a, const Choice& b) { return a.cut.cost < b.cut.cost; });
+  std::vector<Cut> cuts;
+  for (std::size_t i = 0; i < parts.size(); ++i) add_cuts(parts, i, 2, kinds, cuts);
+  if (parts.size() == 2) add_cuts(whole, 0, 3, kinds, cuts);
+  std::stable_sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.cost < b.cost; });
   Parts best;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < std::min(kThorough, choices.size()); ++i) {
-    Parts next = applied(*choices[i].of, choices[i].cut, kinds);
+  for (std::size_t i = 0; i < std::min(kThorough, cuts.size()); ++i) {
+    Parts next = applied(cuts[i], kinds);
     const double cost = cost_of(next, kinds);
     if (cost >= least) continue;
     least = cost;
@@ -187,9 +179,7 @@ Parts best_cut(const Parts& whole, const Parts& parts, const Kinds& kinds) {
 }  // namespace
 
 std::vector<Placed> fit_surfaces(const std::vector<Triangles>& surfaces, const FitOptions& options) {
-  Triangles all;
-  for (const Triangles& surface : surfaces) all.insert(all.end(), surface.begin(), surface.end());
-  const Parts whole{make_part(std::move(all), options.kinds)};
+  const Parts whole{make_part(together(surfaces), options.kinds)};
   Parts current = whole;
   Parts best = whole;
   double least = cost_of(whole, options.kinds);

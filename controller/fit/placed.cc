@@ -8,6 +8,7 @@
 #include "controller/config/convex_hull.h"
 #include "controller/config/robot_file.h"
 #include "controller/model/analytic_distance.h"
+#include "controller/model/kinematics.h"
 #include "controller/model/sampling.h"
 
 namespace moma::fit {
@@ -122,13 +123,6 @@ constexpr double kSlack = 1e-9;  // margin for rounding in later measurements [m
 double nearest(double value) { return std::round(value / kGrid) / std::round(1.0 / kGrid) + 0.0; }
 double upward(double value) { return std::ceil((value + kSlack) / kGrid) / std::round(1.0 / kGrid); }
 
-// Angles about fixed axes x, y, z: R = Rz Ry Rx.
-Vector3 angles_of(const Matrix3& R) {
-  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
-  if (std::hypot(R(0, 0), R(1, 0)) < 1e-9) return {std::atan2(-R(1, 2), R(1, 1)), pitch, 0.0};
-  return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
-}
-
 // A capsule is symmetric about its axis and reversible: no roll, and a pitch of at most a right angle.
 Vector3 angles_of_axis(Vector3 axis) {
   if (axis.z() < 0.0) axis = -axis;
@@ -138,8 +132,7 @@ Vector3 angles_of_axis(Vector3 axis) {
 }
 
 Isometry pose_of(const Vector3& position, const Vector3& rpy) {
-  Isometry X = Isometry::Identity();
-  X.linear() = config::rotation_of(rpy);
+  Isometry X(config::rotation_of(rpy));
   X.translation() = position;
   return X;
 }
@@ -177,7 +170,7 @@ Placed rounded(const Solid& solid, const Points& points) {
   for (int i = 0; i < 3; ++i) placed.position[i] = nearest(solid.X_LS.translation()[i]);
   if (solid.shape.kind != ShapeKind::kSphere) {
     const Matrix3 R = solid.X_LS.linear();
-    placed.rpy = solid.shape.kind == ShapeKind::kCapsule ? angles_of_axis(R.col(2)) : angles_of(R);
+    placed.rpy = solid.shape.kind == ShapeKind::kCapsule ? angles_of_axis(R.col(2)) : rpy_of(R);
     for (double& angle : placed.rpy) angle = nearest(angle);
   }
   placed.solid.X_LS = pose_of(placed.position, placed.rpy);
@@ -188,7 +181,7 @@ Placed rounded(const Solid& solid, const Points& points) {
 Placed as_it_is(const Shape& shape, const Isometry& X_LS) {
   Placed placed;
   placed.position = X_LS.translation();
-  placed.rpy = angles_of(X_LS.linear());
+  placed.rpy = rpy_of(X_LS.linear());
   placed.solid.shape = shape;
   placed.solid.X_LS = pose_of(placed.position, placed.rpy);
   return placed;
@@ -202,8 +195,9 @@ constexpr int kVolumeSamples = 32768;
 double volume_of(const ConvexHull& hull) {
   double volume = 0.0;
   for (const Eigen::Vector3i& t : hull.triangles) {
-    const auto at = [&](int i) -> Vector3 { return hull.vertices[static_cast<std::size_t>(t[i])] - hull.vertices[0]; };
-    volume += at(0).dot(at(1).cross(at(2))) / 6.0;
+    const auto [a, b, c] = config::corners(hull.vertices, t);
+    const Vector3& o = hull.vertices[0];
+    volume += (a - o).dot((b - o).cross(c - o)) / 6.0;
   }
   return volume;
 }

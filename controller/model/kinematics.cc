@@ -172,8 +172,9 @@ double wrapped(double angle) noexcept {
 }
 
 Vector3 rpy_of(const Matrix3& R) noexcept {
-  return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
-          std::atan2(R(1, 0), R(0, 0))};
+  const double level = std::hypot(R(0, 0), R(1, 0)), pitch = std::atan2(-R(2, 0), level);
+  if (level < 1e-9) return {std::atan2(-R(1, 2), R(1, 1)), pitch, 0.0};
+  return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
 }
 
 Isometry base_pose(const Vector3& base) noexcept {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "controller/controller_core.h"
 #include "tests/controller/qp_robots.h"
@@ -89,13 +90,19 @@ TEST(Separate, WhatDoesNotGoWithItIsRefused) {
 }
 
 TEST(Rpy, IsWhatEigenTurnsBack) {
+  const auto turned = [](const Vector3& rpy) -> Matrix3 {
+    return (Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
+            Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()))
+        .toRotationMatrix();
+  };
   Rng rng(3);
   for (int trial = 0; trial < 500; ++trial) {
     const Vector3 rpy(uniform(rng, -3.1, 3.1), uniform(rng, -1.55, 1.55), uniform(rng, -3.1, 3.1));
-    const Matrix3 R = (Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
-                       Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()))
-                          .toRotationMatrix();
-    EXPECT_LT((rpy_of(R) - rpy).norm(), 1e-9) << rpy.transpose();
+    EXPECT_LT((rpy_of(turned(rpy)) - rpy).norm(), 1e-9) << rpy.transpose();
+    for (const double upright : {-0.5 * std::numbers::pi, 0.5 * std::numbers::pi}) {
+      const Matrix3 R = turned({rpy.x(), upright, rpy.z()});
+      EXPECT_LT((turned(rpy_of(R)) - R).norm(), 1e-9) << rpy.transpose();
+    }
   }
 }
 
