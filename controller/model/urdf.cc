@@ -67,7 +67,7 @@ void remove_all(TiXmlElement& parent, const char* name) {
   for (TiXmlElement* child : children(parent, name)) parent.RemoveChild(child);
 }
 
-// Without a root urdfdom leaks links that own each other.
+// Links own their children: urdfdom would never free a loop among them.
 void refuse_loops(const TiXmlElement& robot) {
   std::map<std::string, std::set<std::string>> parents;  // of each link on a joint
   for (const TiXmlElement* joint : children(robot, "joint")) {
@@ -257,14 +257,6 @@ UrdfLink link_of(const urdf::Link& source) {
   return link;
 }
 
-// Links own their children: a loop among them would never be freed.
-struct LoopBreaker {
-  urdf::ModelInterface& model;
-  ~LoopBreaker() {
-    for (const auto& [name, link] : model.links_) link->child_links.clear();
-  }
-};
-
 void check_size(const urdf::ModelInterface& model) {
   std::size_t shapes = 0;
   for (const auto& [name, link] : model.links_) shapes += link->collision_array.size();
@@ -278,7 +270,6 @@ UrdfTree parse(const std::string& text, UrdfReading reading) {
   std::string said;
   // urdfdom takes memory that ran out for a number that it cannot read: once more tells one from the other.
   for (int attempt = 0; attempt < 2 && (!model || !said.empty()); ++attempt) {
-    if (model) const LoopBreaker former{*model};
     MessageCapture capture;
     try {
       model = urdf::parseURDF(amended.text);
@@ -293,7 +284,6 @@ UrdfTree parse(const std::string& text, UrdfReading reading) {
   if (!model) throw UrdfError(said.empty() ? "not a valid URDF" : said);
   // Elements that urdfdom dropped with a message although the checks above passed them.
   if (!said.empty()) amended.left_out.push_back(said);
-  const LoopBreaker breaker{*model};
   if (reading == UrdfReading::kStrict && !amended.left_out.empty()) refuse(amended.left_out);
   check_size(*model);
   if (!model->getRoot()) throw UrdfError("there is no root link");
@@ -323,9 +313,9 @@ UrdfTree parse(const std::string& text, UrdfReading reading) {
       stack.push_back({*child, index});
   }
   for (const auto& [name, link] : model->links_)
-    if (name == "@base") {
+    if (name == "@base")
       throw UrdfError("a link is called @base, which is the mobile base's name");
-    } else if (seen.count(name) == 0)
+    else if (seen.count(name) == 0)
       throw UrdfError("link " + name + " is not connected to the root " + tree.links[0].name);
   return tree;
 }
