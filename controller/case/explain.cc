@@ -178,17 +178,12 @@ std::string describe_unseen(const CaseStep& step) {
       rows, rows == 1 ? "row" : "rows", nearest->d, box.box.x(), box.box.y(), box.box.z(), at.x(), at.y(), at.z());
 }
 
-std::string describe_evasion(const CaseStep& step) {
-  return step.controller.evades()
-             ? "The base drives off: what was asked for leaves no way out of the way of what moves.\n"
-             : "";
-}
-
-std::string describe_check(const CaseStep& step) {
-  const double kept = step.result.kept;
-  return kept < 1.0 && !step.controller.evades()
-             ? formatted("The check of the backup trajectory lets %.0f %% of the command through.\n", 100.0 * kept)
-             : "";
+std::string describe_backup(const CaseStep& step) {
+  if (step.controller.evades())
+    return "The base drives off: what was asked for leaves no way out of the way of what moves.\n";
+  if (!(step.result.kept < 1.0)) return "";
+  return formatted("The check of the backup trajectory lets %.0f %% of the command through.\n",
+                   100.0 * step.result.kept);
 }
 
 std::string describe_fallback(const CaseStep& step) {
@@ -275,7 +270,7 @@ std::string explain(const ControlCase& control_case) {
     return out + "This method solves no QP: it knows neither obstacles nor joint limits.\n";
   }
   if (step.result.status == StepStatus::kInfeasible) out += describe_infeasible(step);
-  out += describe_evasion(step) + describe_check(step) + describe_fallback(step);
+  out += describe_backup(step) + describe_fallback(step);
   if (!step.has_solution()) return out;
   return out + describe_unseen(step) + describe_active(step) + describe_cost(step);
 }

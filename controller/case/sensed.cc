@@ -35,12 +35,10 @@ Matrix3 read_rotation(const Node& node, const std::string& key) {
 
 VectorX read_named(const Node& node, const std::string& key, const std::vector<std::string>& names) {
   const int count = static_cast<int>(names.size());
-  if (node.kind != Node::Kind::kSequence || static_cast<int>(node.items.size()) != count) {
-    const std::string found =
-        node.kind == Node::Kind::kSequence ? "a list of " + std::to_string(node.items.size()) : std::string("no list");
-    config::fail(node.mark, key,
-                 "found " + found + ", expected " + std::to_string(count) + " numbers: " + joined(names));
-  }
+  if (node.kind != Node::Kind::kSequence || static_cast<int>(node.items.size()) != count)
+    config::fail(
+        node.mark, key,
+        "found " + config::found_text(node) + ", expected " + std::to_string(count) + " numbers: " + joined(names));
   const std::vector<double> v = config::read_numbers(node, key, count);
   return Eigen::Map<const VectorX>(v.data(), count);
 }

@@ -30,28 +30,20 @@ Json tool_pose(const Isometry& X) {
 
 Json distance(const ProximityPair& pair, const ControllerCore& controller) {
   const RobotModel& model = controller.model();
-  const auto shape = [&](int i) -> const CollisionShape& { return model.shape(i); };
-  std::string kind = "object", second;
-  switch (pair.kind) {
-    case PairKind::kObject:
-      second = controller.object_names()[static_cast<std::size_t>(pair.second)];
-      break;
-    case PairKind::kFloor:
-      kind = second = "floor";
-      break;
-    case PairKind::kSelf:
-      kind = "self";
-      second = shape(pair.second).name;
-      break;
-  }
-  const std::string& link = model.link(shape(pair.first).link).name;
-  return {{"link", link},
+  static constexpr const char* kKinds[] = {"object", "floor", "self"};
+  const char* const kind = kKinds[static_cast<std::size_t>(pair.kind)];
+  const CollisionShape& shape = model.shape(pair.first);
+  const std::string second = pair.kind == PairKind::kObject
+                                 ? controller.object_names()[static_cast<std::size_t>(pair.second)]
+                             : pair.kind == PairKind::kSelf ? model.shape(pair.second).name
+                                                            : kind;
+  return {{"link", model.link(shape.link).name},
           {"object", second},
           {"d", config::number_or_word(pair.distance.d)},
           {"normal", listed(pair.distance.n_W)},
           {"point_robot", listed(pair.distance.p_first_W)},
           {"point_object", listed(pair.distance.p_second_W)},
-          {"shape", shape(pair.first).name},
+          {"shape", shape.name},
           {"kind", kind}};
 }
 
