@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "controller/config/robot_build.h"
@@ -132,21 +133,19 @@ std::vector<SelfPair> find_self_pairs(const RobotModel& source, double stop, std
                           : kept)
         .push_back({pairs[k].first, pairs[k].second, seen[k].near > 0 && !seen[k].pass()});
   }
-  if (!sliding.empty())
-    notes.push_back("self-collision: left out, sliding along one line: " + list_names(source, sliding));
-  if (!in_touch.empty())
-    notes.push_back("self-collision: left out, in touch at `ready`: " + list_names(source, in_touch));
+  // Paths keep as little as their start has, of any pair: a constant one would lower what they keep of all others.
+  for (const auto& [left_out, why] : {std::pair{&sliding, "sliding along one line"},
+                                      {&in_touch, "in touch at `ready`"},
+                                      {&always_close, "close in most configurations"},
+                                      {&constant, "no joint changes their distance"}})
+    if (!left_out->empty())
+      notes.push_back(std::string("self-collision: left out, ") + why + ": " + list_names(source, *left_out));
   std::copy_if(in_touch.begin(), in_touch.end(), std::back_inserter(wrong),
                [&](const SelfPair& pair) { return far_in_chain(source, pair); });
   if (!wrong.empty()) {
     warnings.push_back("self-collision: these touch at `ready`, so that their contacts never count: " +
                        list_names(source, wrong) + "; is `arm.ready` or a shape wrong?");
   }
-  if (!always_close.empty())
-    notes.push_back("self-collision: left out, close in most configurations: " + list_names(source, always_close));
-  // Paths keep as little as their start has, of any pair: this one would lower what they keep of all others.
-  if (!constant.empty())
-    notes.push_back("self-collision: left out, no joint changes their distance: " + list_names(source, constant));
   return kept;
 }
 

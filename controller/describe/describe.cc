@@ -84,9 +84,6 @@ std::string numbers_violation(std::span<const double> values, int count, const A
   return "";
 }
 
-}  // namespace description
-namespace description {
-
 std::string list_text(std::span<const double> values, bool one_for_all) {
   if (values.empty()) return "";
   if (one_for_all && std::all_of(values.begin(), values.end(), [&](double v) { return v == values[0]; }))
