@@ -73,7 +73,7 @@ class Checker {
     for (int i = 0; i < model_.num_joints(); ++i) {
       const ControlledJoint& joint = model_.joint(i);
       if (std::isinf(joint.lower) && std::isinf(joint.upper)) continue;
-      const double margin = p_.joint_limits.margin[i];
+      const double margin = p_.joint_limits.margin.value[i];
       const double step = joint.velocity * longest_;
       if (!(margin > step)) {
         error("joint_limits.margin", "of " + joint.name + " is " + short_text(margin) +
@@ -193,8 +193,8 @@ ControllerParams resolved(ControllerParams p, const RobotModel& model) {
     const double most = model.joint(i).acceleration;
     if (std::isfinite(most)) p.acceleration_limit[model.base_dof() + i] = p.joint_share * most;
   }
-  if (p.joint_limits.auto_margin) p.joint_limits.margin = resolve_margin(model, p.joint_limits);
-  if (p.posture.ready) p.posture.target = model.ready;
+  p.joint_limits.margin.value = resolve_margin(model, p.joint_limits.margin);
+  if (p.posture.target.ready) p.posture.target.value = model.ready;
   return p;
 }
 

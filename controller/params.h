@@ -70,17 +70,22 @@ struct ManipulabilityParams {
   ManipulabilityRows rows = ManipulabilityRows::kTranslation;
 };
 
+/// q_s per joint [rad, m]; `automatic`: min(0.3, a quarter of the joint's range), which resolved() fills in.
+struct JointMargin {
+  bool automatic = true;
+  VectorX value;
+};
+
 /// `source`: the article's S+-, margin q_s per joint; `damper`: eta (rho - rho_s)/(rho_i - rho_s) inside rho_i;
 /// `braking`: the speed from which `share` of the acceleration limit still stops the joint at rho_s, and acceleration
 /// limits of all joints hold in every stage of the fallback.
 struct JointLimitParams {
   JointLimitMethod method = JointLimitMethod::kSource;
-  bool auto_margin = true;  ///< q_s = min(0.3, a quarter of the joint's range)
-  VectorX margin;           ///< q_s per joint, resolved [rad, m]; `source` only
-  double influence = 0.9;   ///< rho_i
-  double stop = 0.1;        ///< rho_s
-  double gain = 1.0;        ///< eta; with `braking` the rate of the way back from beyond rho_s [1/s]
-  double share = 0.8;       ///< share of the acceleration limit; `braking` only
+  JointMargin margin;      ///< `source` only
+  double influence = 0.9;  ///< rho_i
+  double stop = 0.1;       ///< rho_s
+  double gain = 1.0;       ///< eta; with `braking` the rate of the way back from beyond rho_s [1/s]
+  double share = 0.8;      ///< share of the acceleration limit; `braking` only
 };
 
 struct DamperParams {
@@ -105,11 +110,16 @@ struct CollisionParams {
   GoalClearanceParams at_goal;
 };
 
+/// Joint values; `ready`: those of the robot, which resolved() fills in.
+struct PostureTarget {
+  bool ready = true;
+  VectorX value;
+};
+
 struct PostureParams {
   double weight = 0.0;  ///< lambda_qd
   double gain = 1.0;    ///< k_posture [1/s]
-  bool ready = true;    ///< target is the robot's `ready`
-  VectorX target;       ///< resolved joint values
+  PostureTarget target;
 };
 
 /// How the robot keeps Observation::upright: the row of the tilt (qp/upright.h), and the plans.

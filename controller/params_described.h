@@ -14,6 +14,8 @@ namespace moma {
 // them do not change.
 
 constexpr auto alternative(Of<Weight>) { return WordOr{"inverse_error", &Weight::inverse_error, &Weight::value}; }
+constexpr auto alternative(Of<JointMargin>) { return WordOr{"auto", &JointMargin::automatic, &JointMargin::value}; }
+constexpr auto alternative(Of<PostureTarget>) { return WordOr{"ready", &PostureTarget::ready, &PostureTarget::value}; }
 
 /// `joint_limits: none`.
 inline bool from_word(std::string_view word, JointLimitParams& params) {
@@ -67,12 +69,12 @@ constexpr void describe(auto& v, Of<ManipulabilityParams>) {
 constexpr void describe(auto& v, Of<JointLimitParams>) {
   using T = JointLimitParams;
   v.member("method", &T::method, {.text = "law: the article's S+-, a damper, speeds that can be braked, or none"});
-  v.word_or("margin", "auto", &T::auto_margin, &T::margin,
-            {.unit = "rad or m",
-             .range = Range::positive(),
-             .per = Per::kJoint,
-             .one_for_all = true,
-             .text = "q_s of the article; auto: min(0.3, a quarter of the joint's range)"});
+  v.member("margin", &T::margin,
+           {.unit = "rad or m",
+            .range = Range::positive(),
+            .per = Per::kJoint,
+            .one_for_all = true,
+            .text = "q_s of the article; auto: min(0.3, a quarter of the joint's range)"});
   v.member("influence", &T::influence, positive("rad or m", "rho_i: distance from a limit at which the damper begins"));
   v.member("stop", &T::stop, non_negative("rad or m", "rho_s: distance kept from the limit"));
   v.member("gain", &T::gain, positive("rad/s or m/s", "eta of the damper"));
@@ -118,8 +120,8 @@ constexpr void describe(auto& v, Of<PostureParams>) {
   using T = PostureParams;
   v.member("weight", &T::weight, non_negative("", "lambda_qd: weight"));
   v.member("gain", &T::gain, non_negative("1/s", "k_posture: rate of the joints towards the posture"));
-  v.word_or("target", "ready", &T::ready, &T::target,
-            {.unit = "rad or m", .per = Per::kJoint, .text = "posture to which the joints are drawn"});
+  v.member("target", &T::target,
+           {.unit = "rad or m", .per = Per::kJoint, .text = "posture to which the joints are drawn"});
 }
 
 constexpr void describe(auto& v, Of<UprightParams>) {

@@ -41,10 +41,6 @@ std::vector<double> read_list(const Node& node, const std::string& key, int coun
 void refuse_other_words(const Node& node, const std::string& key, std::string_view word, const std::string& accepted);
 
 template <class V>
-void read_word_or(const Node& node, const std::string& key, std::string_view word, bool& flag, V& value,
-                  const About& about, const Lengths& lengths);
-
-template <class V>
 void read_any(const Node& node, const std::string& key, V& value, const About& about, const Lengths& lengths) {
   if constexpr (requires { read_value(node, key, value, about); }) {
     read_value(node, key, value, about);
@@ -72,7 +68,11 @@ void read_any(const Node& node, const std::string& key, V& value, const About& a
     std::copy(list.begin(), list.end(), value.data());
   } else if constexpr (HasAlternative<V>) {
     constexpr auto either = alternative(Of<V>{});
-    read_word_or(node, key, either.word, value.*(either.flag), value.*(either.value), about, lengths);
+    auto& plain = value.*(either.value);
+    value.*(either.flag) = is_word(node, either.word);
+    if (value.*(either.flag)) return;
+    refuse_other_words(node, key, either.word, accepted_as<std::remove_cvref_t<decltype(plain)>>(about, lengths));
+    read_any(node, key, plain, about, lengths);
   } else if constexpr (is_std_optional<V>) {
     typename V::value_type inner = value.value_or(typename V::value_type{});
     read_any(node, key, inner, about, lengths);
@@ -87,18 +87,6 @@ void read_any(const Node& node, const std::string& key, V& value, const About& a
     });
     value = std::move(list);
   }
-}
-
-template <class V>
-void read_word_or(const Node& node, const std::string& key, std::string_view word, bool& flag, V& value,
-                  const About& about, const Lengths& lengths) {
-  if (is_word(node, word)) {
-    flag = true;
-    return;
-  }
-  refuse_other_words(node, key, word, accepted_as<V>(about, lengths));
-  read_any(node, key, value, about, lengths);
-  flag = false;
 }
 
 template <class T>
@@ -126,11 +114,6 @@ class Reading {
     map.read("enabled", part.*enabled);
     read_members(map, part, lengths_);
     map.finish();
-  }
-  template <class F, class P>
-  void word_or(std::string_view name, std::string_view word, F flag, P pointer, const About& about) {
-    if (const Node* node = in_.get(name))
-      read_word_or(*node, in_.key_of(name), word, value_.*flag, value_.*pointer, about, lengths_);
   }
   template <class P>
   void inlined(P pointer) {

@@ -85,11 +85,8 @@ std::string read_string(const Node& node, const std::string& key) {
 }
 
 std::vector<double> read_numbers(const Node& node, const std::string& key, int count, const Range& range) {
-  if (node.kind != Node::Kind::kSequence || (count >= 0 && static_cast<int>(node.items.size()) != count)) {
-    refuse(node.mark, key,
-           "found " + found_text(node) + ", expected a list of " +
-               (count >= 0 ? std::to_string(count) + " numbers" : std::string("numbers")));
-  }
+  if (node.kind != Node::Kind::kSequence || (count >= 0 && static_cast<int>(node.items.size()) != count))
+    refuse(node.mark, key, "found " + found_text(node) + ", expected " + accepted_numbers(count, {}));
   std::vector<double> values;
   for_items(node, key, "a list of numbers",
             [&](const Node& item, const std::string& at) { values.push_back(read_number(item, at, range)); });

@@ -57,16 +57,6 @@ class Writing {
     nested(part, otherwise_.*pointer, map);
     put(name, std::move(map));
   }
-  template <class F, class P>
-  void word_or(std::string_view name, std::string_view word, F flag, P pointer, const About& about) {
-    if (about.written == Written::kUnlessDefault && value_.*flag == otherwise_.*flag &&
-        (value_.*flag || same(value_.*pointer, otherwise_.*pointer)))
-      return;
-    if (value_.*flag)
-      put(name, word);
-    else
-      put(name, any_to_json(value_.*pointer, otherwise_.*pointer, about));
-  }
   template <class P>
   void inlined(P pointer) {
     nested(value_.*pointer, otherwise_.*pointer, json_);

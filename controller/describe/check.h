@@ -21,8 +21,8 @@ struct Violation {
 };
 
 /// Checks a struct that code has filled: numbers outside their range, lists of a wrong length, values without an
-/// enumerator. Covers parts that are switched off, and values behind a word (word_or), which have been filled in. Empty
-/// if all is well.
+/// enumerator. Covers parts that are switched off, and values behind a word (alternative()), which have been filled in.
+/// Empty if all is well.
 template <Described T>
 std::vector<Violation> violations(const T& value, const Lengths& lengths = {}, const std::string& prefix = "");
 
@@ -49,10 +49,6 @@ class Check : public Look<Check<T>, T> {
   template <class P, class E>
   void optional(std::string_view name, P pointer, E, Off, std::string_view) {
     check(key_of(name), value_.*pointer, {});
-  }
-  template <class F, class P>
-  void word_or(std::string_view name, std::string_view, F, P pointer, const About& about) {
-    check(key_of(name), value_.*pointer, about);
   }
 
  private:
@@ -84,8 +80,7 @@ class Check : public Look<Check<T>, T> {
       const int count = fixed_length<V> > 0 ? -1 : lengths_.of(about.per);
       note(key, numbers_violation(numbers_of(value), count, about));
     } else if constexpr (HasAlternative<V>) {
-      constexpr auto either = alternative(Of<V>{});
-      if (!(value.*(either.flag))) check(key, value.*(either.value), about);
+      check(key, value.*(alternative(Of<V>{}).value), about);
     } else if constexpr (is_std_optional<V>) {
       if (value.has_value()) check(key, *value, about);
     } else if constexpr (is_std_vector<V>) {

@@ -49,10 +49,6 @@ class Completeness {
     below<V>(1);  // its `enabled` has no line of its own
   }
   template <class V>
-  constexpr void word_or(std::string_view, std::string_view, bool T::*, V T::*, const About&) {
-    named_ += 2;
-  }
-  template <class V>
   constexpr void inlined(V T::*) {
     ++named_;
     below<V>(0);

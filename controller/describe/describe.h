@@ -45,7 +45,6 @@ struct Range {
 ///   member(name, pointer, About)                          a value: number, whole number, boolean, text, enumeration,
 ///                                                         vector, list, std::optional, or described
 ///   optional(name, pointer, &T::enabled, Off, text)       a described struct that may be switched off
-///   word_or(name, word, flag pointer, pointer, About)     a value or, if the flag is set, a word in its place
 ///   inlined(pointer)                                      a described struct whose members are listed among these
 ///   group(name, text, [](auto& g) { g.member(...); })     members of this struct under a key of their own
 ///   written_where([](const T&) -> bool, [](auto& v) {})   members that are always read, and written only if the first
@@ -53,7 +52,7 @@ struct Range {
 ///
 /// Optional functions beside a type (found by argument-dependent lookup):
 ///   constexpr auto alternative(Of<T>) { return WordOr{"word", &T::flag, &T::value}; }
-///     if T as a whole is a value that a word may replace;
+///     if T as a whole is a value that a word may replace: the word stands for a set flag;
 ///   bool from_word(std::string_view word, T& value)
 ///     if a word may replace all of a described struct; false for an unknown word.
 template <class T>

@@ -29,11 +29,6 @@ class Comparison {
     compare(pointer);
     equal_ = equal_ && (a_.*pointer).*enabled == (b_.*pointer).*enabled;
   }
-  template <class F, class P>
-  void word_or(std::string_view, std::string_view, F flag, P pointer, const About&) {
-    compare(flag);
-    compare(pointer);
-  }
   template <class P>
   void inlined(P pointer) {
     compare(pointer);

@@ -85,12 +85,6 @@ class Listing : public Look<Listing<T>, T> {
     }
     descend(key_of(name), part);
   }
-  template <class F, class P>
-  void word_or(std::string_view name, std::string_view word, F flag, P pointer, const About& about) {
-    using V = std::remove_cvref_t<decltype(value_.*pointer)>;
-    add(name, about, std::string(word) + " or " + accepted_as<V>(about),
-        value_.*flag ? std::string(word) : default_text(value_.*pointer, about));
-  }
 
  private:
   friend class Look<Listing, T>;

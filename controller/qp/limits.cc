@@ -21,7 +21,7 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
       speed_(model.velocity_limits()),
       q_lower_(model.num_joints()),
       q_upper_(model.num_joints()),
-      margin_(resolve_margin(model, params.joint_limits)),
+      margin_(resolve_margin(model, params.joint_limits.margin)),
       part_(model.num_joints()),
       step_(params.acceleration_limit * control_period),
       deceleration_(params.joint_limits.share * params.acceleration_limit.tail(model.num_joints())),
@@ -189,8 +189,8 @@ void add_drive_rows(const LinearPair& pair, QpProblem& problem) noexcept {
   }
 }
 
-VectorX resolve_margin(const RobotModel& model, const JointLimitParams& params) {
-  if (!params.auto_margin) return params.margin;
+VectorX resolve_margin(const RobotModel& model, const JointMargin& given) {
+  if (!given.automatic) return given.value;
   VectorX margin(model.num_joints());
   for (int i = 0; i < model.num_joints(); ++i) {
     const ControlledJoint& joint = model.joint(i);

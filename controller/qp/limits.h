@@ -77,9 +77,9 @@ class VelocityBounds {
 /// at `range`: v t + v^2/(2a) + speed (t + v/a) = range - reach. At most the robot's own speed; 0 without a solution.
 double sight_speed(const SightParams& sight, const RobotModel& model, double deceleration) noexcept;
 
-/// Returns q_s per joint: min(0.3, a quarter of the range) for `auto_margin`, else the given one. Infinite joints get
-/// an unused 0.3.
-VectorX resolve_margin(const RobotModel& model, const JointLimitParams& params);
+/// Returns q_s per joint: min(0.3, a quarter of the range) if it is `automatic`, else the given one. Infinite joints
+/// get an unused 0.3.
+VectorX resolve_margin(const RobotModel& model, const JointMargin& given);
 
 /// S+ of the article (mirrored: S-): 0 if room < 0, else speed min(room / margin, 1).
 double source_bound(double room, double margin, double speed) noexcept;

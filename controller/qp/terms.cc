@@ -117,7 +117,7 @@ bool posture(const Input& in, double weight, double gain, const VectorX& target,
 
 bool keep_posture(const Input& in, Part out) noexcept {
   const PostureParams& p = in.params.posture;
-  return posture(in, p.weight, p.gain, p.target, out);
+  return posture(in, p.weight, p.gain, p.target.value, out);
 }
 
 bool keep_detour_posture(const Input& in, Part out) noexcept {

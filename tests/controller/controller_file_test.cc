@@ -62,8 +62,8 @@ TEST_F(ControllerFile, EmptyIsTheDefaults) {
   EXPECT_EQ(p.manipulability.weight, 1);
   EXPECT_EQ(p.manipulability.rows, ManipulabilityRows::kTranslation);
   EXPECT_EQ(p.joint_limits.method, JointLimitMethod::kSource);
-  EXPECT_TRUE(p.joint_limits.auto_margin);
-  EXPECT_EQ(p.joint_limits.margin, VectorX::Constant(7, 0.3));
+  EXPECT_TRUE(p.joint_limits.margin.automatic);
+  EXPECT_EQ(p.joint_limits.margin.value, VectorX::Constant(7, 0.3));
   EXPECT_EQ(p.collision.object.influence, 0.3);
   EXPECT_EQ(p.collision.object.stop, 0.05);
   EXPECT_EQ(p.collision.max_pairs, 30);
@@ -71,7 +71,7 @@ TEST_F(ControllerFile, EmptyIsTheDefaults) {
   EXPECT_EQ(p.collision.self.stop, 0.01);
   EXPECT_EQ(p.acceleration_weight, VectorX::Zero(9));
   EXPECT_EQ(p.posture.weight, 0);
-  EXPECT_EQ(p.posture.target, model_->ready);
+  EXPECT_EQ(p.posture.target.value, model_->ready);
   EXPECT_EQ(p.acceleration_limit, VectorX::Constant(9, kInfinity));
   EXPECT_FALSE(p.output_scaling.enabled);
   EXPECT_EQ(p.solver, SolverKind::kDaqp);
@@ -112,13 +112,13 @@ output_scaling: {near: 2}
   EXPECT_EQ(p.lambda_q[6], 0.07);
   EXPECT_EQ(p.slack.limit[5], kInfinity);
   EXPECT_EQ(p.tracking_band[3], 0.1);
-  EXPECT_FALSE(p.joint_limits.auto_margin);
-  EXPECT_EQ(p.joint_limits.margin[3], 0.4);
+  EXPECT_FALSE(p.joint_limits.margin.automatic);
+  EXPECT_EQ(p.joint_limits.margin.value[3], 0.4);
   EXPECT_FALSE(p.collision.object.enabled);
   EXPECT_EQ(p.collision.self.influence, 0.2);
   EXPECT_EQ(p.acceleration_weight[8], 0.5);
-  EXPECT_EQ(p.posture.target[3], -1);
-  EXPECT_FALSE(p.posture.ready);
+  EXPECT_EQ(p.posture.target.value[3], -1);
+  EXPECT_FALSE(p.posture.target.ready);
   EXPECT_EQ(p.acceleration_limit[2], kInfinity);
   EXPECT_TRUE(p.output_scaling.enabled);
   EXPECT_EQ(p.output_scaling.near, 2);
@@ -146,8 +146,7 @@ TEST_F(ControllerFile, RoundTripIsExact) {
     p.tracking_band.setConstant(uniform(rng, 0, 0.1));
     p.joint_limits.method = static_cast<JointLimitMethod>(rng() % 3);
     if (rng() % 2) {
-      p.joint_limits.auto_margin = false;
-      p.joint_limits.margin = VectorX::NullaryExpr(7, [&] { return uniform(rng, 0.1, 0.4); });
+      p.joint_limits.margin = {false, VectorX::NullaryExpr(7, [&] { return uniform(rng, 0.1, 0.4); })};
     }
     p.collision.object.gain = uniform(rng, 0.1, 2);
     p.collision.floor.enabled = rng() % 2;
@@ -155,8 +154,7 @@ TEST_F(ControllerFile, RoundTripIsExact) {
     p.acceleration_limit = VectorX::Constant(9, rng() % 2 ? kInfinity : uniform(rng, 1, 9));
     p.posture.weight = uniform(rng, 0, 1);
     if (rng() % 2) {
-      p.posture.ready = false;
-      p.posture.target = VectorX::NullaryExpr(7, [&] { return uniform(rng, -1, 1); });
+      p.posture.target = {false, VectorX::NullaryExpr(7, [&] { return uniform(rng, -1, 1); })};
     }
     p.output_scaling.enabled = rng() % 2;
     p = resolved(p, *model_);
@@ -307,7 +305,7 @@ TEST_F(ControllerFile, ACheckBeyondItsRowsIsAWarning) {
 TEST_F(ControllerFile, MarginsAreCheckedPerJoint) {
   // The lift of 0.35 m: a quarter of its range by default; 0.3 cannot work there.
   model_ = mecanum();
-  EXPECT_NEAR(read("{}").joint_limits.margin[0], 0.0875, 1e-12);
+  EXPECT_NEAR(read("{}").joint_limits.margin.value[0], 0.0875, 1e-12);
   expect_error("joint_limits: {margin: 0.3}", "c.yaml:1:24:", "joint1");
   EXPECT_NO_THROW(read("joint_limits: {margin: [0.1, 0.3, 0.3, 0.3, 0.3, 0.3]}"));
 }

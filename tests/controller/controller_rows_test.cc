@@ -305,7 +305,7 @@ TEST(ControllerRows, ObjectiveIsTheSumOfItsTerms) {
   p.k_epsilon = 0.7;
   p.manipulability.weight = 0.3;
   p.acceleration_weight = VectorX::LinSpaced(9, 0.1, 0.9);
-  p.posture = {.weight = 0.2, .gain = 1.5, .ready = true, .target = {}};
+  p.posture = {.weight = 0.2, .gain = 1.5, .target = {}};
   p.collision.object.enabled = false;
   Rig rig(model, p);
   const Observation o = random_observation(*model, 0, rng);

@@ -23,6 +23,12 @@ struct Either {
 };
 constexpr auto alternative(Of<Either>) { return WordOr{"auto", &Either::automatic, &Either::value}; }
 
+struct Aim {
+  bool ready = true;
+  Eigen::VectorXd value;
+};
+constexpr auto alternative(Of<Aim>) { return WordOr{"ready", &Aim::ready, &Aim::value}; }
+
 struct Part {
   bool enabled = false;
   double gain = 2.0;
@@ -86,8 +92,7 @@ struct Whole {
   std::vector<Part> parts;
   std::optional<double> height;
   Either margin;
-  bool ready = true;
-  Eigen::VectorXd target;
+  Aim target;
   Part none, omitted, kept;
   Common common;
   Mode mode;
@@ -112,7 +117,7 @@ constexpr void describe(Visitor& v, Of<Whole>) {
   v.member("parts", &Whole::parts, {});
   v.member("height", &Whole::height, {.range = Range::positive()});
   v.member("margin", &Whole::margin, {.range = Range::positive()});
-  v.word_or("target", "ready", &Whole::ready, &Whole::target, {.per = Per::kJoint});
+  v.member("target", &Whole::target, {.per = Per::kJoint});
   v.optional("none", &Whole::none, &Part::enabled, Off::kNone, "a part");
   v.optional("omitted", &Whole::omitted, &Part::enabled, Off::kOmitted, "a part");
   v.optional("kept", &Whole::kept, &Part::enabled, Off::kKept, "a part");
@@ -164,8 +169,7 @@ Whole everything() {
   w.parts = {{false, 0.1}, {false, 0.2}};
   w.height = 2.5;
   w.margin = {false, 0.7};
-  w.ready = false;
-  w.target = Eigen::Vector2d(-1, 1);
+  w.target = {false, Eigen::Vector2d(-1, 1)};
   w.none = w.omitted = w.late_part = {true, 1.0 / 7};
   w.kept = {false, 1.0 / 9};
   w.common.width = std::numeric_limits<double>::infinity();
@@ -220,7 +224,7 @@ TEST(Describe, ReadsEveryShortForm) {
   EXPECT_FALSE(w.margin.automatic);
   EXPECT_EQ(w.margin.value, 0.25);
   EXPECT_FALSE(w.kept.enabled);
-  EXPECT_FALSE(w.ready);
+  EXPECT_FALSE(w.target.ready);
 }
 
 TEST(Describe, MistakesAreNamedWithTheirPlaceAndWhatIsAccepted) {
@@ -333,7 +337,7 @@ TEST(Describe, SameSeesEveryMember) {
   EXPECT_TRUE(differs([](Whole& o) { o.kept.enabled = true; }));
   EXPECT_TRUE(differs([](Whole& o) { o.kept.gain = 1; }));
   EXPECT_TRUE(differs([](Whole& o) { o.margin.automatic = true; }));
-  EXPECT_TRUE(differs([](Whole& o) { o.target[1] = 0; }));
+  EXPECT_TRUE(differs([](Whole& o) { o.target.value[1] = 0; }));
   EXPECT_TRUE(differs([](Whole& o) { o.height.reset(); }));
   EXPECT_TRUE(differs([](Whole& o) { o.parts.pop_back(); }));
   EXPECT_TRUE(differs([](Whole& o) { o.deep = 0; }));

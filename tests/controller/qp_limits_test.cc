@@ -37,8 +37,7 @@ Bounds bounds_at(const JointLimitParams& law, double q, const std::shared_ptr<co
 
 TEST(Limits, SourceLaw) {
   JointLimitParams law;
-  law.auto_margin = false;
-  law.margin = VectorX::Constant(2, 0.4);
+  law.margin = {false, VectorX::Constant(2, 0.4)};
   const auto expect = [&](double q, double low, double high) {
     const Bounds b = bounds_at(law, q);
     EXPECT_NEAR(b.low, low, 1e-12) << q;
