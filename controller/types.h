@@ -25,4 +25,11 @@ using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 using MatrixX = Eigen::MatrixXd;
 using Isometry = Eigen::Isometry3d;
 
+/// The pose with rotation R at p.
+inline Isometry pose_of(const Matrix3& R, const Vector3& p) noexcept {
+  Isometry X(R);
+  X.translation() = p;
+  return X;
+}
+
 }  // namespace moma

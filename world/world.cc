@@ -6,24 +6,14 @@
 #include "controller/step.h"
 
 namespace moma {
-namespace {
-
-Isometry pose_of(const Vector3& position, const Eigen::Quaterniond& rotation) {
-  Isometry X = Isometry::Identity();
-  X.linear() = rotation.normalized().toRotationMatrix();
-  X.translation() = position;
-  return X;
-}
-
-}  // namespace
 
 void set_pose(WorldObject& object, const Vector3& position, const Eigen::Quaterniond& rotation) {
-  object.X_WO = pose_of(position, rotation);
+  object.X_WO = pose_of(rotation.normalized().toRotationMatrix(), position);
   object.file_rotation = rotation;
 }
 
 void set_pose(WorldGoal& goal, const Vector3& position, const Eigen::Quaterniond& rotation) {
-  goal.X_WG = pose_of(position, rotation);
+  goal.X_WG = pose_of(rotation.normalized().toRotationMatrix(), position);
   goal.file_rotation = rotation;
 }
 

@@ -50,8 +50,7 @@ constexpr void describe(auto& v, Of<WrittenPose>) {
 
 Isometry isometry_of(const WrittenPose& pose, MapReader& in) {
   in.check(in.get("rpy") == nullptr || !pose.rotation, "rotation", "give `rpy` or `rotation`, not both");
-  Isometry X(rotation_of(pose.rpy));
-  X.translation() = pose.position;
+  Isometry X = pose_of(rotation_of(pose.rpy), pose.position);
   if (!pose.rotation) return X;
   X.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose.rotation->data());
   const double defect = (X.linear() * X.linear().transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();

@@ -116,9 +116,8 @@ class CollisionReader {
     const Vector3 size(2.0 * wheels.radius, wheels.width, 2.0 * wheels.radius);
     for (const double x : {0.5, -0.5}) {
       for (const double y : {0.5, -0.5}) {
-        Isometry X_BS = Isometry::Identity();
-        X_BS.translation() = Vector3(x * wheels.wheelbase, y * wheels.separation, wheels.radius);
-        add(0, {ShapeKind::kBox, size, nullptr}, X_BS);
+        const Eigen::Translation3d p_BS(x * wheels.wheelbase, y * wheels.separation, wheels.radius);
+        add(0, {ShapeKind::kBox, size, nullptr}, Isometry(p_BS));
       }
       if (wheels.wheelbase == 0.0) break;
     }

@@ -156,8 +156,7 @@ void read_sensors(MapReader& robot, RobotBuild& build) {
     const int link = sensor.link.empty() ? 0 : build.model.find_link(sensor.link);
     in.check(link >= 0, "link", "found '" + sensor.link + "', which is no link of the robot");
     in.finish();
-    Isometry X_LC(rotation_of(sensor.rpy));
-    X_LC.translation() = sensor.position;
+    const Isometry X_LC = pose_of(rotation_of(sensor.rpy), sensor.position);
     written.push_back(write_described(sensor));
     build.model.sensors.push_back({std::move(sensor), link, X_LC});
   });

@@ -142,8 +142,7 @@ Solid enclosing_capsule(const Points& points, Effort effort) {
   }
   Solid solid;
   solid.shape = {ShapeKind::kCapsule, {best.radius, best.length, 0.0}, nullptr};
-  solid.X_LS.linear() = frame_along(best.axis);
-  solid.X_LS.translation() = best.middle;
+  solid.X_LS = pose_of(frame_along(best.axis), best.middle);
   return solid;
 }
 

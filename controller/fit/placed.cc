@@ -131,12 +131,6 @@ Vector3 angles_of_axis(Vector3 axis) {
   return {0.0, pitch, nearest(pitch) > 0.0 ? std::atan2(axis.y(), axis.x()) : 0.0};
 }
 
-Isometry pose_of(const Vector3& position, const Vector3& rpy) {
-  Isometry X(config::rotation_of(rpy));
-  X.translation() = position;
-  return X;
-}
-
 Vector3 size_around(const Shape& shape, const Isometry& X_LS, const Points& points) {
   const Isometry X_SL = X_LS.inverse();
   Vector3 box = Vector3::Zero();
@@ -173,7 +167,7 @@ Placed rounded(const Solid& solid, const Points& points) {
     placed.rpy = solid.shape.kind == ShapeKind::kCapsule ? angles_of_axis(R.col(2)) : rpy_of(R);
     for (double& angle : placed.rpy) angle = nearest(angle);
   }
-  placed.solid.X_LS = pose_of(placed.position, placed.rpy);
+  placed.solid.X_LS = pose_of(config::rotation_of(placed.rpy), placed.position);
   placed.solid.shape = {solid.shape.kind, size_around(solid.shape, placed.solid.X_LS, points), nullptr};
   return placed;
 }
@@ -183,7 +177,7 @@ Placed as_it_is(const Shape& shape, const Isometry& X_LS) {
   placed.position = X_LS.translation();
   placed.rpy = rpy_of(X_LS.linear());
   placed.solid.shape = shape;
-  placed.solid.X_LS = pose_of(placed.position, placed.rpy);
+  placed.solid.X_LS = pose_of(config::rotation_of(placed.rpy), placed.position);
   return placed;
 }
 

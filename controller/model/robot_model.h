@@ -125,10 +125,7 @@ struct MountedSensor {
     if (gaze == Gaze{}) return X_LC;
     const Matrix3 R =
         (Eigen::AngleAxisd(gaze.pan, Vector3::UnitZ()) * Eigen::AngleAxisd(gaze.tilt, Vector3::UnitY())).matrix();
-    Isometry X;
-    X.linear() = R * X_LC.linear();
-    X.translation() = sensor.head.axes + R * (X_LC.translation() - sensor.head.axes);
-    return X;
+    return pose_of(R * X_LC.linear(), sensor.head.axes + R * (X_LC.translation() - sensor.head.axes));
   }
 };
 

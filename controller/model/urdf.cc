@@ -156,9 +156,7 @@ Vector3 vector_of(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
 Isometry isometry_of(const urdf::Pose& pose, const std::string& where) {
   const Eigen::Quaterniond quaternion(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
-  Isometry X = Isometry::Identity();
-  X.linear() = quaternion.normalized().toRotationMatrix();
-  X.translation() = vector_of(pose.position);
+  const Isometry X = pose_of(quaternion.normalized().toRotationMatrix(), vector_of(pose.position));
   if (!X.matrix().allFinite()) throw UrdfError(where + ": its origin is not made of finite numbers");
   return X;
 }

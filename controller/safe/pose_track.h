@@ -23,12 +23,7 @@ struct PoseTrack {
   Vector9 position_covariance = Vector9::Zero();  ///< ... of its position [m^2], column by column,
   Vector9 velocity_covariance = Vector9::Zero();  ///< and of its linear velocity [(m/s)^2]
 
-  Isometry X_W() const noexcept {
-    Isometry X = Isometry::Identity();
-    X.translation() = p_W;
-    X.linear() = R_W.reshaped(3, 3);
-    return X;
-  }
+  Isometry X_W() const noexcept { return pose_of(R_W.reshaped(3, 3), p_W); }
   void place(const Isometry& X_W) noexcept {
     p_W = X_W.translation();
     R_W = X_W.linear().reshaped();

@@ -105,12 +105,7 @@ inline void set_pose(dBodyID body, const Isometry& X) {
   dBodySetPosition(body, X.translation().x(), X.translation().y(), X.translation().z());
 }
 
-inline Isometry pose(const dReal* R, const dReal* p) {
-  Isometry X = Isometry::Identity();
-  X.linear() = from_matrix(R);
-  X.translation() = from_vector(p);
-  return X;
-}
+inline Isometry pose(const dReal* R, const dReal* p) { return pose_of(from_matrix(R), from_vector(p)); }
 inline Isometry pose(dBodyID body) { return pose(dBodyGetRotation(body), dBodyGetPosition(body)); }
 inline Isometry pose(dGeomID geom) { return pose(dGeomGetRotation(geom), dGeomGetPosition(geom)); }
 

@@ -40,10 +40,9 @@ Isometry read_pose(const Node& node, const std::string& key) {
   Eigen::Vector4d xyzw(0.0, 0.0, 0.0, 1.0);
   if (orientation != nullptr) xyzw = read_letters(*orientation, key, "xyzw");
   if (!(xyzw.norm() > 1e-6)) config::fail(node.mark, key, "expected a quaternion x, y, z, w that is not zero");
-  Isometry X = Isometry::Identity();
-  X.linear() = Eigen::Quaterniond(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized().toRotationMatrix();
-  X.translation() = read_letters(need(node, "position", "x, y, z"), "position", "xyz");
-  return X;
+  const Eigen::Quaterniond rotation(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+  return pose_of(rotation.normalized().toRotationMatrix(),
+                 read_letters(need(node, "position", "x, y, z"), "position", "xyz"));
 }
 
 void add(Scene& scene, const std::string& name, const Isometry& X_WO, const std::vector<Part>& parts) {
