@@ -15,6 +15,8 @@
 #include <mutex>
 #include <string_view>
 
+#include "plugin/border.h"
+
 namespace moma {
 namespace {
 
@@ -56,13 +58,11 @@ std::string loader_says(const fs::path& file) {
 }
 
 template <typename Function>
-void find(void* handle, const char* name, Function& function) {
-  function = reinterpret_cast<Function>(::dlsym(handle, name));
-  if (function == nullptr) {
-    throw PluginError(fmt::format(
-        "has no function {}: it is no plugin of moma (see plugin/moma_plugin.h; in C++ MOMA_PLUGIN of plugin/plugin.h)",
-        name));
-  }
+Function* find(void* handle, const char* name) {
+  if (void* const found = ::dlsym(handle, name)) return reinterpret_cast<Function*>(found);
+  throw PluginError(fmt::format(
+      "has no function {}: it is no plugin of moma (see plugin/moma_plugin.h; in C++ MOMA_PLUGIN of plugin/plugin.h)",
+      name));
 }
 
 std::string digest_of(const std::string& content) {
@@ -105,27 +105,19 @@ std::shared_ptr<const PluginLibrary> load_plugin(const fs::path& file) {
   }
   check_code(library->file, library->digest);
 
-  decltype(&moma_plugin_abi) abi = nullptr;
-  find(handle, "moma_plugin_abi", abi);
+  const auto abi = find<decltype(moma_plugin_abi)>(handle, "moma_plugin_abi");
   std::uint32_t version = 0;
-  try {
-    version = abi();
-  } catch (...) {
-    throw PluginError("moma_plugin_abi() throws");
-  }
+  if (plugin::thrown_by([&] { version = abi(); })) throw PluginError("moma_plugin_abi() throws");
   if (version != MOMA_PLUGIN_ABI) {
     throw PluginError(
         fmt::format("is made for version {} of the plugin interface, this moma has version {}: build it against {}",
                     version, MOMA_PLUGIN_ABI, "its plugin/moma_plugin.h"));
   }
-  PluginFunctions& f = library->functions;
-  decltype(&moma_plugin_open) open = nullptr;
-  find(handle, "moma_plugin_open", open);
-  f.open = open;
-  find(handle, "moma_plugin_close", f.close);
-  find(handle, "moma_plugin_start", f.start);
-  find(handle, "moma_plugin_step", f.step);
-  find(handle, "moma_plugin_stop", f.stop);
+  library->functions = {.open = find<decltype(moma_plugin_open)>(handle, "moma_plugin_open"),
+                        .close = find<decltype(moma_plugin_close)>(handle, "moma_plugin_close"),
+                        .start = find<decltype(moma_plugin_start)>(handle, "moma_plugin_start"),
+                        .step = find<decltype(moma_plugin_step)>(handle, "moma_plugin_step"),
+                        .stop = find<decltype(moma_plugin_stop)>(handle, "moma_plugin_stop")};
   return library;
 }
 
