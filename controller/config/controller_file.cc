@@ -14,17 +14,11 @@ namespace moma::config {
 namespace {
 
 // The place of the deepest part of a dotted key that was written.
-Mark mark_of(const Node& root, const std::string& key) {
-  const Node* node = &root;
-  std::size_t start = 0;
-  while (start <= key.size()) {
-    const std::size_t dot = std::min(key.find('.', start), key.size());
-    const Node* next = node->find(std::string_view(key).substr(start, dot - start));
-    if (next == nullptr) break;
-    node = next;
-    start = dot + 1;
-  }
-  return node->mark;
+Mark mark_of(const Node& node, std::string_view key) {
+  const std::size_t dot = std::min(key.find('.'), key.size());
+  const Node* next = node.find(key.substr(0, dot));
+  if (next == nullptr) return node.mark;
+  return dot == key.size() ? next->mark : mark_of(*next, key.substr(dot + 1));
 }
 
 }  // namespace

@@ -81,9 +81,8 @@ class CollisionReader {
     const Node* list = in.get("shapes");
     const bool meant = list != nullptr && list->items.empty();
     if (meant || robot_.get("urdf_text") != nullptr) {
-      build_.warnings.emplace_back(model_.shapes.empty()
-                                       ? "the robot has no collision shapes: nothing it does can be a collision"
-                                       : "the arm has no collision shapes: nothing it does can be a collision");
+      const std::string who = model_.shapes.empty() ? "the robot" : "the arm";
+      build_.warnings.push_back(who + " has no collision shapes: nothing it does can be a collision");
       return;
     }
     const std::string why = from == "urdf" ? "the URDF has no collision geometry for what the arm's joints move"

@@ -54,6 +54,26 @@ LoadedRobot build_robot(const Node& node, const std::string& key, MeshSolids& me
           std::move(build.warnings), std::move(build.notes)};
 }
 
+constexpr std::size_t kMostSensors = 64;
+
+void check_sensor(const Sensor& sensor, MapReader& in, std::set<std::string>& names) {
+  in.check(!sensor.name.empty(), "name", "found '', expected a name");
+  in.check(names.insert(sensor.name).second, "name", "another sensor is called '" + sensor.name + "'");
+  in.check(sensor.field_of_view[0] > 0.0, "field_of_view", "found an azimuth of 0, expected more");
+  in.check(sensor.field_of_view[1] <= std::numbers::pi + 1e-9, "field_of_view",
+           "found an elevation above pi, expected at most pi");
+  for (const auto& [name, range] : {std::pair{"pan", sensor.head.pan}, std::pair{"tilt", sensor.head.tilt}})
+    in.check(range[0] <= 0.0 && range[1] >= 0.0, "head",
+             std::string("has a ") + name + " of [" + number_text(range[0]) + ", " + number_text(range[1]) +
+                 "], expected a lower and an upper angle with 0 between them");
+  in.check(sensor.rows == 1 || sensor.field_of_view[1] > 0.0, "rows",
+           "found " + std::to_string(sensor.rows) + " rows for an elevation of 0, expected 1");
+  const std::int64_t rays = std::int64_t{sensor.columns} * sensor.rows;
+  in.check(
+      rays <= kMaxRays, "columns",
+      "found " + std::to_string(rays) + " rays (columns times rows), expected at most " + std::to_string(kMaxRays));
+}
+
 }  // namespace
 
 void read_urdf_of(MapReader& robot, RobotBuild& build) {
@@ -116,30 +136,6 @@ LoadedRobot read_robot(const Node& node, const std::string& key, MeshSolids& mes
 LoadedRobot robot_from_resolved(const Json& resolved) {
   return read_robot(node_from_json(resolved, "resolved robot"), "robot");
 }
-
-namespace {
-
-constexpr std::size_t kMostSensors = 64;
-
-void check_sensor(const Sensor& sensor, MapReader& in, std::set<std::string>& names) {
-  in.check(!sensor.name.empty(), "name", "found '', expected a name");
-  in.check(names.insert(sensor.name).second, "name", "another sensor is called '" + sensor.name + "'");
-  in.check(sensor.field_of_view[0] > 0.0, "field_of_view", "found an azimuth of 0, expected more");
-  in.check(sensor.field_of_view[1] <= std::numbers::pi + 1e-9, "field_of_view",
-           "found an elevation above pi, expected at most pi");
-  for (const auto& [name, range] : {std::pair{"pan", sensor.head.pan}, std::pair{"tilt", sensor.head.tilt}})
-    in.check(range[0] <= 0.0 && range[1] >= 0.0, "head",
-             std::string("has a ") + name + " of [" + number_text(range[0]) + ", " + number_text(range[1]) +
-                 "], expected a lower and an upper angle with 0 between them");
-  in.check(sensor.rows == 1 || sensor.field_of_view[1] > 0.0, "rows",
-           "found " + std::to_string(sensor.rows) + " rows for an elevation of 0, expected 1");
-  const std::int64_t rays = std::int64_t{sensor.columns} * sensor.rows;
-  in.check(
-      rays <= kMaxRays, "columns",
-      "found " + std::to_string(rays) + " rays (columns times rows), expected at most " + std::to_string(kMaxRays));
-}
-
-}  // namespace
 
 void read_sensors(MapReader& robot, RobotBuild& build) {
   const Node* node = robot.get("sensors");
