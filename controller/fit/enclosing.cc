@@ -71,6 +71,22 @@ Ball<D> ball_of_few(std::vector<Point<D>>& support) {
   return best;
 }
 
+struct Problem {
+  const std::function<double(const std::vector<double>&)>* f = nullptr;
+  double least = 0.0;
+  std::vector<double> best;
+};
+
+double value(const std::vector<double>& x, std::vector<double>& /*gradient*/, void* data) {
+  auto& problem = *static_cast<Problem*>(data);
+  const double y = (*problem.f)(x);
+  if (y < problem.least) {
+    problem.least = y;
+    problem.best = x;
+  }
+  return y;
+}
+
 }  // namespace
 
 template <int D>
@@ -93,26 +109,6 @@ Ball<D> smallest_ball(const std::vector<Point<D>>& points) {
 
 template Ball<2> smallest_ball<2>(const std::vector<Point<2>>&);
 template Ball<3> smallest_ball<3>(const std::vector<Point<3>>&);
-
-namespace {
-
-struct Problem {
-  const std::function<double(const std::vector<double>&)>* f = nullptr;
-  double least = 0.0;
-  std::vector<double> best;
-};
-
-double value(const std::vector<double>& x, std::vector<double>& /*gradient*/, void* data) {
-  auto& problem = *static_cast<Problem*>(data);
-  const double y = (*problem.f)(x);
-  if (y < problem.least) {
-    problem.least = y;
-    problem.best = x;
-  }
-  return y;
-}
-
-}  // namespace
 
 std::vector<double> minimise(const std::function<double(const std::vector<double>&)>& f, const Variables& variables,
                              int evaluations) {

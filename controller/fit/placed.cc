@@ -60,6 +60,58 @@ Vector3 surface_point(const Shape& shape, double u, double v) {
   return Vector3::Zero();
 }
 
+constexpr double kSlack = 1e-9;  // margin for rounding in later measurements [m]
+
+double nearest(double value) { return std::round(value / kGrid) / std::round(1.0 / kGrid) + 0.0; }
+double upward(double value) { return std::ceil((value + kSlack) / kGrid) / std::round(1.0 / kGrid); }
+
+// A capsule is symmetric about its axis and reversible: no roll, and a pitch of at most a right angle.
+Vector3 angles_of_axis(Vector3 axis) {
+  if (axis.z() < 0.0) axis = -axis;
+  const double across = std::hypot(axis.x(), axis.y());
+  const double pitch = std::atan2(across, axis.z());
+  return {0.0, pitch, nearest(pitch) > 0.0 ? std::atan2(axis.y(), axis.x()) : 0.0};
+}
+
+Vector3 size_around(const Shape& shape, const Isometry& X_LS, const Points& points) {
+  const Isometry X_SL = X_LS.inverse();
+  Vector3 box = Vector3::Zero();
+  double ball = 0.0;
+  double disc = 0.0;
+  for (const Vector3& p : points) {
+    const Vector3 local = X_SL * p;
+    box = box.cwiseMax(local.cwiseAbs());
+    ball = std::max(ball, local.norm());
+    disc = std::max(disc, local.head<2>().norm());
+  }
+  if (shape.kind == ShapeKind::kSphere) return {upward(std::max(ball, 0.5 * kThinnest)), 0.0, 0.0};
+  if (shape.kind == ShapeKind::kBox) {
+    for (double& edge : box) edge = upward(std::max(2.0 * edge, kThinnest));
+    return box;
+  }
+  const double radius = upward(std::max({disc, shape.size.x() - kSlack, 0.5 * kThinnest}));
+  double half = 0.0;
+  for (const Vector3& p : points) {
+    const Vector3 local = X_SL * p;
+    const double cap = std::sqrt(std::max(0.0, radius * radius - local.head<2>().squaredNorm()));
+    half = std::max(half, std::abs(local.z()) - cap);
+  }
+  return {radius, std::max(upward(2.0 * half), kGrid), 0.0};
+}
+
+constexpr int kSurfaceSamples = 2000;
+constexpr int kVolumeSamples = 32768;
+
+double volume_of(const ConvexHull& hull) {
+  double volume = 0.0;
+  for (const Eigen::Vector3i& t : hull.triangles) {
+    const auto [a, b, c] = config::corners(hull.vertices, t);
+    const Vector3& o = hull.vertices[0];
+    volume += (a - o).dot((b - o).cross(c - o)) / 6.0;
+  }
+  return volume;
+}
+
 }  // namespace
 
 double volume(const Shape& shape) noexcept {
@@ -116,49 +168,6 @@ Points union_surface(std::span<const Solid> solids, int samples) {
   return points;
 }
 
-namespace {
-
-constexpr double kSlack = 1e-9;  // margin for rounding in later measurements [m]
-
-double nearest(double value) { return std::round(value / kGrid) / std::round(1.0 / kGrid) + 0.0; }
-double upward(double value) { return std::ceil((value + kSlack) / kGrid) / std::round(1.0 / kGrid); }
-
-// A capsule is symmetric about its axis and reversible: no roll, and a pitch of at most a right angle.
-Vector3 angles_of_axis(Vector3 axis) {
-  if (axis.z() < 0.0) axis = -axis;
-  const double across = std::hypot(axis.x(), axis.y());
-  const double pitch = std::atan2(across, axis.z());
-  return {0.0, pitch, nearest(pitch) > 0.0 ? std::atan2(axis.y(), axis.x()) : 0.0};
-}
-
-Vector3 size_around(const Shape& shape, const Isometry& X_LS, const Points& points) {
-  const Isometry X_SL = X_LS.inverse();
-  Vector3 box = Vector3::Zero();
-  double ball = 0.0;
-  double disc = 0.0;
-  for (const Vector3& p : points) {
-    const Vector3 local = X_SL * p;
-    box = box.cwiseMax(local.cwiseAbs());
-    ball = std::max(ball, local.norm());
-    disc = std::max(disc, local.head<2>().norm());
-  }
-  if (shape.kind == ShapeKind::kSphere) return {upward(std::max(ball, 0.5 * kThinnest)), 0.0, 0.0};
-  if (shape.kind == ShapeKind::kBox) {
-    for (double& edge : box) edge = upward(std::max(2.0 * edge, kThinnest));
-    return box;
-  }
-  const double radius = upward(std::max({disc, shape.size.x() - kSlack, 0.5 * kThinnest}));
-  double half = 0.0;
-  for (const Vector3& p : points) {
-    const Vector3 local = X_SL * p;
-    const double cap = std::sqrt(std::max(0.0, radius * radius - local.head<2>().squaredNorm()));
-    half = std::max(half, std::abs(local.z()) - cap);
-  }
-  return {radius, std::max(upward(2.0 * half), kGrid), 0.0};
-}
-
-}  // namespace
-
 Placed rounded(const Solid& solid, const Points& points) {
   Placed placed;
   for (int i = 0; i < 3; ++i) placed.position[i] = nearest(solid.X_LS.translation()[i]);
@@ -180,23 +189,6 @@ Placed as_it_is(const Shape& shape, const Isometry& X_LS) {
   placed.solid.X_LS = pose_of(config::rotation_of(placed.rpy), placed.position);
   return placed;
 }
-
-namespace {
-
-constexpr int kSurfaceSamples = 2000;
-constexpr int kVolumeSamples = 32768;
-
-double volume_of(const ConvexHull& hull) {
-  double volume = 0.0;
-  for (const Eigen::Vector3i& t : hull.triangles) {
-    const auto [a, b, c] = config::corners(hull.vertices, t);
-    const Vector3& o = hull.vertices[0];
-    volume += (a - o).dot((b - o).cross(c - o)) / 6.0;
-  }
-  return volume;
-}
-
-}  // namespace
 
 FitError measure(const Triangles& surface, const std::vector<Placed>& shapes) {
   FitError error;

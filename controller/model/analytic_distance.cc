@@ -136,22 +136,28 @@ Distance capsule_capsule(const Shape& first, const Isometry& X_W1, const Shape& 
   return result;
 }
 
-}  // namespace
-
-PointDistance point_distance(const Shape& shape, const Vector3& p) noexcept {
-  return to_point<PointDistance>(shape, p);
-}
-double point_gap(const Shape& shape, const Vector3& p) noexcept { return to_point<double>(shape, p); }
-
-namespace {
-
 Distance swapped(Distance distance) noexcept {
   distance.n_W = -distance.n_W;
   std::swap(distance.p_first_W, distance.p_second_W);
   return distance;
 }
 
+constexpr double kOutside = 1e-9;    // at smaller distances the axis counts as inside [m]
+constexpr double kFlat = 1e-13;      // smaller slopes count as zero
+constexpr int kMaxEvaluations = 80;  // bisection alone would need 55
+
+struct Sample {
+  double t = 0.0;
+  PointDistance point;
+  double slope = 0.0;  // derivative of the distance along the axis, per unit of its length
+};
+
 }  // namespace
+
+PointDistance point_distance(const Shape& shape, const Vector3& p) noexcept {
+  return to_point<PointDistance>(shape, p);
+}
+double point_gap(const Shape& shape, const Vector3& p) noexcept { return to_point<double>(shape, p); }
 
 std::optional<Distance> analytic_distance(const Shape& first, const Isometry& X_W1, const Shape& second,
                                           const Isometry& X_W2) noexcept {
@@ -167,20 +173,6 @@ std::optional<Distance> analytic_distance(const Shape& first, const Isometry& X_
   }
   return std::nullopt;
 }
-
-namespace {
-
-constexpr double kOutside = 1e-9;    // at smaller distances the axis counts as inside [m]
-constexpr double kFlat = 1e-13;      // smaller slopes count as zero
-constexpr int kMaxEvaluations = 80;  // bisection alone would need 55
-
-struct Sample {
-  double t = 0.0;
-  PointDistance point;
-  double slope = 0.0;  // derivative of the distance along the axis, per unit of its length
-};
-
-}  // namespace
 
 std::optional<Distance> capsule_distance(const Shape& capsule, const Isometry& X_W1, const Shape& solid,
                                          const Isometry& X_W2) noexcept {

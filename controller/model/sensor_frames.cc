@@ -89,6 +89,8 @@ int first_ray(double from, int count, double half) noexcept {
   return static_cast<int>(std::ceil(std::clamp(place - 1e-9, 0.0, static_cast<double>(count))));
 }
 
+constexpr int kRobot = -2;  // the robot's own shapes
+
 }  // namespace
 
 double ray_distance(const Shape& shape, const Vector3& from_S, const Vector3& u_S) noexcept {
@@ -173,12 +175,6 @@ void RayView::draw(const Shape& shape, const Isometry& X_WS, int id) noexcept {
       }
   }
 }
-
-namespace {
-
-constexpr int kRobot = -2;  // the robot's own shapes
-
-}  // namespace
 
 SensorFrames::SensorFrames(const RobotModel& model, double control_period) : model_(&model), dt_(control_period) {
   for (const MountedSensor& mounted : model.sensors) {

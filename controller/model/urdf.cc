@@ -318,20 +318,6 @@ UrdfTree parse(const std::string& text, UrdfReading reading) {
   return tree;
 }
 
-}  // namespace
-
-UrdfTree read_urdf(const std::string& text, UrdfReading reading) {
-  try {
-    return parse(text, reading);
-  } catch (const UrdfError& e) {
-    // Elements left by xacro do no harm, so this is only a hint.
-    const bool xacro = text.find("<xacro:") != std::string::npos;
-    throw UrdfError(e.what() + std::string(xacro ? " (the file has xacro elements: expand it with xacro first)" : ""));
-  }
-}
-
-namespace {
-
 using Colours = std::map<std::string, Vector3>;  // by material
 
 std::string name_of(const TiXmlElement& element) {
@@ -373,6 +359,16 @@ std::optional<Vector3> colour_of(const TiXmlElement& visual, const Colours& colo
 }
 
 }  // namespace
+
+UrdfTree read_urdf(const std::string& text, UrdfReading reading) {
+  try {
+    return parse(text, reading);
+  } catch (const UrdfError& e) {
+    // Elements left by xacro do no harm, so this is only a hint.
+    const bool xacro = text.find("<xacro:") != std::string::npos;
+    throw UrdfError(e.what() + std::string(xacro ? " (the file has xacro elements: expand it with xacro first)" : ""));
+  }
+}
 
 std::vector<UrdfVisual> read_urdf_visuals(const std::string& text) {
   read_urdf(text, UrdfReading::kLenient);  // refuses broken files and files too deep for the parser
