@@ -44,59 +44,49 @@ inline constexpr bool is_here =
     !std::is_same_v<V, std::optional<Carried>>;
 
 template <class T>
-class Reading {
+class Reading : public config::description::Reading<T> {
+  using Base = config::description::Reading<T>;
+
  public:
-  Reading(config::MapReader& in, const RobotModel& model, T& value) : in_(in), model_(model), value_(value) {}
+  Reading(config::MapReader& in, const RobotModel& model, T& value) : Base(in, value, {}), model_(model) {}
 
   template <class P>
   void member(std::string_view name, P pointer, const About& about) {
-    auto& value = value_.*pointer;
+    auto& value = this->value_.*pointer;
+    config::MapReader& in = this->in_;
     using V = std::remove_cvref_t<decltype(value)>;
     if constexpr (numbers::is_pose<V>) {
-      value = read_pose(in_, about.required);
+      value = read_pose(in, about.required);
     } else if constexpr (NumberList<V>) {
       std::vector<std::string> names = model_.velocity_names();
       if (about.per == Per::kJoint) names.erase(names.begin(), names.begin() + model_.base_dof());
-      if (about.required) in_.require(name, (names.empty() ? "" : "one value each: ") + joined(names));
+      if (about.required) in.require(name, (names.empty() ? "" : "one value each: ") + joined(names));
       value = VectorX::Zero(static_cast<Eigen::Index>(names.size()));
-      if (const config::Node* node = in_.get(name)) value = read_named(*node, in_.key_of(name), names);
+      if (const config::Node* node = in.get(name)) value = read_named(*node, in.key_of(name), names);
     } else if constexpr (is_here<V>) {
-      if (const config::Node* node = in_.get(name))
-        config::description::read_any(*node, in_.key_of(name), value, about, {});
+      Base::member(name, pointer, about);
     }
   }
 
  private:
-  config::MapReader& in_;
   const RobotModel& model_;
-  T& value_;
 };
 
 template <class T>
-class Writing {
+class Writing : public config::description::Writing<T> {
+  using Base = config::description::Writing<T>;
+
  public:
-  Writing(const T& value, Json& json) : value_(value), json_(json) {}
+  using Base::Base;
 
   template <class P>
   void member(std::string_view name, P pointer, const About& about) {
-    const auto& value = value_.*pointer;
-    using V = std::remove_cvref_t<decltype(value)>;
-    if constexpr (numbers::is_pose<V>) {
-      write_pose(value, json_);
-    } else if constexpr (is_here<V>) {
-      const V otherwise = T{}.*pointer;
-      if constexpr (is_std_optional<V>) {
-        if (!value.has_value()) return;
-      } else {
-        if (about.written == Written::kUnlessDefault && same(value, otherwise)) return;
-      }
-      json_[std::string(name)] = config::description::any_to_json(value, otherwise, about);
-    }
+    using V = std::remove_cvref_t<decltype(this->value_.*pointer)>;
+    if constexpr (numbers::is_pose<V>)
+      write_pose(this->value_.*pointer, this->json_);
+    else if constexpr (is_here<V>)
+      Base::member(name, pointer, about);
   }
-
- private:
-  const T& value_;
-  Json& json_;
 };
 
 }  // namespace case_file
@@ -112,7 +102,8 @@ void read_sensed(config::MapReader& in, const RobotModel& model, T& value) {
 template <class T>
 Json sensed_to_json(const T& value) {
   Json json = Json::object();
-  case_file::Writing<T> writing(value, json);
+  const T otherwise{};
+  case_file::Writing<T> writing(value, otherwise, json);
   describe(writing, Of<T>{});
   return json;
 }

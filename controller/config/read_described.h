@@ -133,10 +133,12 @@ class Reading {
     body(*this);
   }
 
- private:
+ protected:
   MapReader& in_;
   T& value_;
-  const Lengths& lengths_;
+
+ private:
+  const Lengths lengths_;
 };
 
 }  // namespace description

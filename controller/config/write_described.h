@@ -34,7 +34,7 @@ Json any_to_json(const V& value, const V& otherwise, const About& about);
 template <class T>
 class Writing {
  public:
-  Writing(const T& value, const T& otherwise, Json& json) : value_(value), otherwise_(otherwise), json_(json) {}
+  Writing(const T& value, const T& otherwise, Json& json) : value_(value), json_(json), otherwise_(otherwise) {}
 
   template <class P>
   void member(std::string_view name, P pointer, const About& about) {
@@ -73,6 +73,10 @@ class Writing {
     if (holds(value_)) body(*this);
   }
 
+ protected:
+  const T& value_;
+  Json& json_;
+
  private:
   void put(std::string_view name, Json value) { json_[std::string(name)] = std::move(value); }
   template <class V>
@@ -81,9 +85,7 @@ class Writing {
     describe(inner, Of<V>{});
   }
 
-  const T& value_;
   const T& otherwise_;
-  Json& json_;
 };
 
 template <class V>
