@@ -76,7 +76,7 @@ std::unique_ptr<Session> ProcessPool::take(const std::shared_ptr<const std::stri
     }
   }
   const bool fresh = session == nullptr;
-  if (fresh) session = std::make_unique<Session>(command_, control_period);
+  if (fresh) session = std::make_unique<Session>(command_);
   session->set_up(setup, control_period);
   if (fresh) check(*session);
   return session;

@@ -31,8 +31,7 @@ std::string text_of(std::span<const unsigned char> bytes) { return without_contr
 
 }  // namespace
 
-Session::Session(const ProcessCommand& command, double control_period)
-    : limits_(command.limits), control_period_(control_period), child_(command), in_(std::size_t{1} << 16) {}
+Session::Session(const ProcessCommand& command) : limits_(command.limits), child_(command), in_(std::size_t{1} << 16) {}
 
 Session::~Session() {
   child_.hang_up();

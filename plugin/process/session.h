@@ -35,14 +35,15 @@ static_assert(std::endian::native == std::endian::little, "frames are little-end
 /// of no use any more.
 class Session {
  public:
-  /// Starts the process. The limits' deadline is in control periods of this length [s].
-  Session(const ProcessCommand& command, double control_period);
+  /// Starts the process.
+  explicit Session(const ProcessCommand& command);
   /// The process sees the end of its input, and is killed where it does not go.
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Does nothing if the process has this setup already. The reason of a process that refuses it reaches the caller.
+  /// Tells the process its setup, if it has not got this one already. The limits' deadline is in control periods of
+  /// this length [s]. The reason of a process that refuses it reaches the caller.
   void set_up(const std::shared_ptr<const std::string>& setup, double control_period);
   /// `shapes`: JSON. Steps after this one, whose observations have so many numbers, allocate nothing.
   void reset(const std::string& shapes, std::size_t numbers);
@@ -71,7 +72,7 @@ class Session {
   [[noreturn]] void not_a_frame();
 
   const ProcessLimits limits_;
-  double control_period_;
+  double control_period_ = 0.0;
   Child child_;
   std::shared_ptr<const std::string> setup_;
   std::vector<std::string> files_;
