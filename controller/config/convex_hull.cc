@@ -202,8 +202,8 @@ bool is_hull(const ConvexHull& hull) {
   return faces.size() == hull.vertices.size() &&
          std::all_of(faces.begin(), faces.end(), [](const auto& vertex) { return vertex.second <= 255; }) &&
          std::all_of(edges.begin(), edges.end(), [&](const auto& edge) {
-           const auto back = edges.find({edge.first.second, edge.first.first});
-           return edge.second == 1 && back != edges.end() && back->second == 1 && back != edges.find(edge.first);
+           const auto& [from, to] = edge.first;
+           return edge.second == 1 && from != to && edges.count({to, from}) == 1;
          });
 }
 

@@ -15,8 +15,6 @@
 namespace moma {
 namespace {
 
-constexpr std::string_view kSpaces = " \t\r\n";
-
 /// Digits alone, or after one '-' where it may be `negative`; few enough for any reader.
 std::optional<long> whole_number(std::string_view word, bool negative = false) {
   long value = 0;
@@ -35,11 +33,7 @@ std::optional<std::vector<long>> whole_numbers(const TiXmlElement& element) {
     if (child->ToText() == nullptr) continue;
     if (++pieces > 1) return {};
     std::string_view left = child->ValueStr();
-    while (true) {
-      left.remove_prefix(std::min(left.find_first_not_of(kSpaces), left.size()));
-      if (left.empty()) break;
-      const std::string_view word = left.substr(0, left.find_first_of(kSpaces));
-      left.remove_prefix(word.size());
+    for (std::string_view word = next_word(left); !word.empty(); word = next_word(left)) {
       const std::optional<long> number = whole_number(word, true);
       if (!number) return {};
       numbers.push_back(*number);

@@ -102,18 +102,12 @@ class Checker {
     }
     std::vector<double> values;
     bool good = true;
-    const char* at = text->data();
-    const char* const end = at + text->size();
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
-    while (good) {
-      while (at != end && blank(*at)) ++at;
-      if (at == end) break;
-      if (*at == '+') ++at;
-      double value = 0.0;
-      const auto [stop, error] = std::from_chars(at, end, value);
-      good = error == std::errc() && std::isfinite(value) && (stop == end || blank(*stop));
-      at = stop;
-      values.push_back(value);
+    std::string_view left = *text;
+    for (std::string_view word = next_word(left); good && !word.empty(); word = next_word(left)) {
+      if (word.front() == '+') word.remove_prefix(1);
+      double& value = values.emplace_back(0.0);
+      const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+      good = error == std::errc() && std::isfinite(value) && stop == word.data() + word.size();
     }
     if (good && values.size() == count) return values;
     fault(element, where, attribute + "=\"" + text->substr(0, 100) + "\" is not understood; expected " + expected);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 class TiXmlElement;
@@ -25,6 +26,9 @@ std::vector<Element*> children(Element& parent, const char* name = nullptr) {
     all.push_back(child);
   return all;
 }
+
+/// Takes the next word off a text of words between blanks; empty at its end.
+std::string_view next_word(std::string_view& text);
 
 /// Checks the text of a COLLADA file (.dae), and returns the length of its unit, `<asset><unit meter="...">` [m]; 1 by
 /// default. Throws std::runtime_error with the reason: no XML, elements nested more than kMaxXmlDepth deep, nodes that
