@@ -80,7 +80,6 @@ void ControllerCore::reset(std::span<const ObjectShape> told) {
   if (predictor_.on()) predictor_.reset(told, map_.count());
   for (const std::unique_ptr<Guard>& guard : guards_) guard->set_objects(objects);
   if (lookahead_) lookahead_->reset(objects);
-  counters_ = {};
   answer_ = {.command = VectorX::Zero(model_->num_velocities())};
 }
 
@@ -247,7 +246,6 @@ void ControllerCore::report(const Situation* now, StepResult& result) noexcept {
   const bool identifies = predictor_.identifies();
   result.latency_base = identifies && model_->base_dof() > 0 ? predictor_.base_round_trip() : -1.0;
   result.latency_joints = identifies ? predictor_.joint_round_trip() : -1.0;
-  counters_.count(result.status, result.fallback, now != nullptr ? poser_.collision().left_out() : 0);
 }
 
 int ControllerCore::count_active(const Posed& posed) const noexcept {

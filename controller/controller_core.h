@@ -96,7 +96,8 @@ class ControllerCore final : public StepController {
   const SeenMap& map() const noexcept { return map_; }
   /// Wheel speeds [rad/s] of the last command: left, right or FL, FR, RL, RR; empty without wheels. Allocates.
   VectorX wheels() const;
-  const StepCounters& counters() const noexcept { return counters_; }
+  /// Number of collision rows that the last step left out, since no motion of the robot changes them.
+  int rows_left_out() const noexcept { return poser_.collision().left_out(); }
   /// Stop distance of the rows of objects at rest in the last step [m].
   double kept_stop() const noexcept { return poser_.stop(); }
   /// True if the base executes an evasion (safe/evasion.h) instead of the policy's task.
@@ -150,7 +151,6 @@ class ControllerCore final : public StepController {
   // The last step, for inspection.
   Answer answer_;
   std::vector<std::string> object_names_;
-  StepCounters counters_;
 };
 
 }  // namespace moma

@@ -243,8 +243,8 @@ std::string describe_surroundings(const CaseStep& step) {
       rows += is_collision(kind) ? 1 : 0;
     }
     out += formatted("%zu pairs are within their distance of influence, %d of them have a row", pairs.size(), rows);
-    if (const long long none = controller.counters().rows_left_out; none > 0)
-      out += formatted(" (%lld left out: nothing the robot can do would change them)", none);
+    if (const int none = controller.rows_left_out(); none > 0)
+      out += formatted(" (%d left out: nothing the robot can do would change them)", none);
     out += ".\n";
     if (separation > 0)
       out += formatted("%d %s the robot down towards what moves.\n", separation,

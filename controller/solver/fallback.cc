@@ -1,7 +1,6 @@
 #include "controller/solver/fallback.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace moma {
 namespace {
@@ -18,18 +17,6 @@ bool has_soft(const QpProblem& problem, bool only_separation) noexcept {
 }
 
 }  // namespace
-
-void StepCounters::count(StepStatus status, Fallback fallback, int left_out) noexcept {
-  long long none = 0;
-  long long* const by_status[] = {&solved, &infeasible, &max_iterations, &invalid_input};
-  long long* const by_fallback[] = {&none, &no_acceleration, &relaxed, &brake};
-  static_assert(std::size(by_status) == words(Of<StepStatus>{}).size());
-  static_assert(std::size(by_fallback) == words(Of<Fallback>{}).size());
-  ++steps;
-  ++*by_status[static_cast<std::size_t>(status)];
-  ++*by_fallback[static_cast<std::size_t>(fallback)];
-  rows_left_out += left_out;
-}
 
 FallbackSolver::FallbackSolver(SolverMaker make, Relaxation relaxation)
     : solver_(make()), relaxed_solver_(make()), slacks_(relaxation == Relaxation::kBackup ? 2 : 1) {}

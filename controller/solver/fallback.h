@@ -67,14 +67,4 @@ class FallbackSolver {
   Fallback last_ = Fallback::kNone;
 };
 
-/// Counts of the results of steps since reset().
-struct StepCounters {
-  long long steps = 0;
-  long long solved = 0, infeasible = 0, max_iterations = 0, invalid_input = 0;
-  long long no_acceleration = 0, relaxed = 0, brake = 0;
-  long long rows_left_out = 0;  ///< collision rows that no motion of the robot changes
-
-  void count(StepStatus status, Fallback fallback, int left_out) noexcept;
-};
-
 }  // namespace moma

@@ -54,8 +54,6 @@ TEST_P(Fallbacks, NoneWhereSolved) {
   put_object(0.5, 0.0);
   EXPECT_EQ(step().status, StepStatus::kSolved);
   EXPECT_EQ(result_.fallback, Fallback::kNone);
-  EXPECT_EQ(controller_->counters().solved, 1);
-  EXPECT_EQ(controller_->counters().steps, 1);
 }
 
 TEST_P(Fallbacks, NoAcceleration) {
@@ -65,8 +63,6 @@ TEST_P(Fallbacks, NoAcceleration) {
   params_.acceleration_limit = VectorX::Constant(9, 0.5);
   EXPECT_EQ(step().status, StepStatus::kInfeasible);
   EXPECT_EQ(result_.fallback, Fallback::kNoAcceleration);
-  EXPECT_EQ(controller_->counters().no_acceleration, 1);
-  EXPECT_EQ(controller_->counters().infeasible, 1);
   EXPECT_LT(controller_->kkt_residual(), 1e-7);
   EXPECT_EQ(controller_->outcome().collision_slack, 0.0);
   // The rows hold, the acceleration bound does not.
@@ -83,7 +79,6 @@ TEST_P(Fallbacks, RelaxedWithOneCommonSlack) {
   put_object(0.02, 6.0);  // faster than any velocity limit lets the robot retreat
   EXPECT_EQ(step().status, StepStatus::kInfeasible);
   EXPECT_EQ(result_.fallback, Fallback::kRelaxed);
-  EXPECT_EQ(controller_->counters().relaxed, 1);
   const double s = controller_->outcome().collision_slack;
   EXPECT_GT(s, 0.1);
   // Every collision row holds with the one slack, and at least one needs all of it.
@@ -118,7 +113,6 @@ TEST_P(Fallbacks, BrakeWhereNoRowCanBeRelaxed) {
   EXPECT_EQ(step().status, StepStatus::kInfeasible);
   EXPECT_EQ(result_.fallback, Fallback::kBrake);
   EXPECT_EQ(result_.command, VectorX::Zero(9));
-  EXPECT_EQ(controller_->counters().brake, 1);
   EXPECT_EQ(result_.slack, Vector6::Zero());
 }
 

@@ -63,7 +63,6 @@ TEST_F(Robust, NotANumberAnywhere) {
       broken("object position", [&](Observation& o) { o.objects[1].X_WO.translation().z() = bad; });
       broken("object twist", [&](Observation& o) { o.objects[2].V_WO_W[0] = bad; });
     }
-    EXPECT_GT(controller_->counters().invalid_input, 60);
     controller_->step(good, result_);
     EXPECT_NE(result_.status, StepStatus::kInvalidInput) << "the next good observation is taken as if nothing was";
   }

@@ -174,7 +174,7 @@ TEST(ControllerRows, NearestFirstAndLimitedInNumber) {
     }
     EXPECT_TRUE(std::is_sorted(kinds.begin(), kinds.end())) << "tracking, object, floor, self, wheel";
     EXPECT_LE(collision_rows, 7);
-    if (pairs.size() >= 7 && c.counters().rows_left_out == 0) {
+    if (pairs.size() >= 7 && c.rows_left_out() == 0) {
       EXPECT_EQ(collision_rows, 7);
     }
     for (std::size_t i = 1; i < pairs.size(); ++i) {
@@ -199,7 +199,7 @@ TEST(ControllerRows, RowsTheRobotCannotChangeAreLeftOutAndCounted) {
   o.objects[0].X_WO = pose(0.0, -0.3, 0.0, 0, 0, 0);
   rig.step(o);
   // The foot, and link1 whose axis is that of joint 1, against the object. Against the floor neither has a pair.
-  EXPECT_EQ(rig.controller.counters().rows_left_out, 2);
+  EXPECT_EQ(rig.controller.rows_left_out(), 2);
   for (int r = 0; r < rig.controller.problem().rows; ++r) EXPECT_NE(rig.controller.row_name(r), "object/o/foot");
   EXPECT_EQ(rig.result.status, StepStatus::kSolved);
 }
