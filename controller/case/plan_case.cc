@@ -87,6 +87,12 @@ constexpr void describe(auto& v, Of<Path>) {
                   });
 }
 
+std::string accepted(Of<Isometry>, const About& /*about*/) { return "a pose"; }
+
+std::string accepted(Of<WholeConfiguration>, const About& /*about*/) {
+  return "a value for x, y, phi of the base, and each joint";
+}
+
 void read_value(const config::Node& node, const std::string& key, Isometry& X, const About& /*about*/) {
   config::MapReader in(node, key);
   X = read_pose(in);

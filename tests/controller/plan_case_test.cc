@@ -113,6 +113,8 @@ TEST(PlanCase, IsRefusedWhereItIsNone) {
   expect("state.plan.path.motions", [](Json& plan) { plan["path"]["motions"] = Json::array(); });
   expect("no more than `time`", [](Json& plan) { plan["path"]["motions"][0]["rise"] = 100.0; });
   expect("expected 10: x, y, phi", [](Json& plan) { plan["path"]["motions"][0]["change"].erase(0); });
+  expect("path.origin: missing; expected a value for x, y, phi", [](Json& plan) { plan["path"].erase("origin"); });
+  expect("path.goal: missing; expected a pose", [](Json& plan) { plan["path"].erase("goal"); });
   expect("state.plan.goal", [](Json& plan) { plan["goal"].erase("rotation"); });
   expect("expected a rotation matrix", [](Json& plan) { plan["path"]["goal"]["rotation"][0] = 3.0; });
   expect("state.plan.commit", [](Json& plan) { plan["commit"] = -1; });
