@@ -24,7 +24,7 @@ struct Violation {
 /// enumerator. Covers parts that are switched off, and values behind a word (alternative()), which have been filled in.
 /// Empty if all is well.
 template <Described T>
-std::vector<Violation> violations(const T& value, const Lengths& lengths = {}, const std::string& prefix = "");
+std::vector<Violation> violations(const T& value, const Lengths& lengths = {});
 
 namespace description {
 
@@ -95,9 +95,9 @@ class Check : public Look<Check<T>, T> {
 }  // namespace description
 
 template <Described T>
-std::vector<Violation> violations(const T& value, const Lengths& lengths, const std::string& prefix) {
+std::vector<Violation> violations(const T& value, const Lengths& lengths) {
   std::vector<Violation> found;
-  description::Check<T> check(value, lengths, prefix, found);
+  description::Check<T> check(value, lengths, "", found);
   describe(check, Of<T>{});
   return found;
 }

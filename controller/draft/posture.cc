@@ -17,6 +17,7 @@
 namespace moma::draft {
 namespace {
 
+constexpr int kSamples = 2000;
 constexpr double kInner = 0.9;   // share of the limits
 constexpr double kMostly = 0.8;  // share of configurations; pairs that touch in more of them are ignored
 constexpr double kFloor = 0.05;  // [m]
@@ -28,19 +29,15 @@ constexpr double kLow = 0.2;                      // height of E above the floor
 
 class PostureFinder {
  public:
-  PostureFinder(const RobotModel& source, int samples)
-      : model_(with_pairs(source)),
-        kinematics_(model_),
-        proximity_(model_),
-        reach_(floor_reach(*model_)),
-        samples_(samples) {}
+  explicit PostureFinder(const RobotModel& source)
+      : model_(with_pairs(source)), kinematics_(model_), proximity_(model_), reach_(floor_reach(*model_)) {}
 
   Posture find(PostureFor what) {
     what_ = what;
     leave_out_touching();
     Posture best;
     double most = -1.0;
-    for (int s = 1; s <= samples_; ++s) {
+    for (int s = 1; s <= kSamples; ++s) {
       VectorX q = sample(s);
       for (double& value : q) value = std::round(100.0 * value) / 100.0;
       const double score = judge(std::move(q));
@@ -149,7 +146,6 @@ class PostureFinder {
   Kinematics kinematics_;
   Proximity proximity_;
   FloorReach reach_;
-  int samples_;
   std::vector<bool> ignored_;
   PostureFor what_ = PostureFor::kReady;
   Posture judged_;
@@ -157,8 +153,6 @@ class PostureFinder {
 
 }  // namespace
 
-Posture find_posture(const RobotModel& model, PostureFor what, int samples) {
-  return PostureFinder(model, samples).find(what);
-}
+Posture find_posture(const RobotModel& model, PostureFor what) { return PostureFinder(model).find(what); }
 
 }  // namespace moma::draft

@@ -16,10 +16,10 @@ enum class PostureFor {
   kFolded,  ///< a posture to hold while another arm works: close to the body, especially ahead of it
 };
 
-/// Searches `samples` configurations within nine tenths of the limits (a Halton sequence, always the same), clear ones
+/// Searches 2,000 configurations within nine tenths of the limits (a Halton sequence, always the same), clear ones
 /// that can be held first, then clear ones, then held ones. For kReady it maximises the product of manipulability and
 /// distance to the nearest limit, halved if E is behind the base or near the floor; for kFolded it minimises the spread
 /// of the shapes about the base's middle. Rounded to hundredths. `model` needs shapes, no pairs.
-Posture find_posture(const RobotModel& model, PostureFor what = PostureFor::kReady, int samples = 2000);
+Posture find_posture(const RobotModel& model, PostureFor what = PostureFor::kReady);
 
 }  // namespace moma::draft

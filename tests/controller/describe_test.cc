@@ -274,18 +274,18 @@ TEST(Describe, ValuesThatCodeHasFilledAreCheckedAlike) {
   w.parts[1].gain = 0;
   w.deep = std::numeric_limits<double>::infinity();
   std::string all;
-  for (const Violation& v : violations(w, kTwoJoints, "whole")) all += v.key + " " + v.message + "\n";
+  for (const Violation& v : violations(w, kTwoJoints)) all += v.key + " " + v.message + "\n";
   EXPECT_EQ(all,
-            "whole.speed must be a finite number from 0 to 1, below 1, is 1\n"
-            "whole.count must be a whole number from -10 to 10, is 11\n"
-            "whole.taste must be one of: sweet, sour, salty\n"
-            "whole.width must be above 0 or infinite, is 0\n"
-            "whole.limit must be above 0 or infinite, is nan\n"
-            "whole.joints has 3 values, the robot has 2 joints\n"
-            "whole.parts[1].gain must be a finite number above 0, is 0\n"
-            "whole.margin must be a finite number above 0, is 0\n"
-            "whole.kept.gain must be a finite number above 0, is -1\n"
-            "whole.nested.deep must be a finite number, is inf\n");
+            "speed must be a finite number from 0 to 1, below 1, is 1\n"
+            "count must be a whole number from -10 to 10, is 11\n"
+            "taste must be one of: sweet, sour, salty\n"
+            "width must be above 0 or infinite, is 0\n"
+            "limit must be above 0 or infinite, is nan\n"
+            "joints has 3 values, the robot has 2 joints\n"
+            "parts[1].gain must be a finite number above 0, is 0\n"
+            "margin must be a finite number above 0, is 0\n"
+            "kept.gain must be a finite number above 0, is -1\n"
+            "nested.deep must be a finite number, is inf\n");
 }
 
 TEST(Describe, KeysAreListedWithUnitRangeDefaultAndText) {
