@@ -200,7 +200,7 @@ std::string words_of(const YAML::Exception& e, const std::string& text) {
 
 /// The one document of a YAML text, aliases copied in, `include` left as it is. `depth`: levels that enclose it.
 /// Throws ConfigError: syntax, a second document, keys twice or not text, an alias inside of what it names, and
-/// whatever budget.h limits.
+/// whatever text_file.h limits.
 Node read_document(const std::string& text, const std::string& name, int depth, YamlUse& use) {
   if (text.size() > kMaxTextBytes)
     fail({name, 0, 0}, "", "more than " + std::to_string(kMaxTextBytes >> 20U) + " MiB of text");

@@ -57,8 +57,7 @@ struct Node {
 };
 
 /// Reads a file, resolving `include: PATH` in any map (relative to the including file; the map's other keys
-/// override the included ones, maps merged key by key). A scalar that ends in .yaml where a map is wanted is
-/// read by MapReader::child() in the same way. Throws ConfigError: unreadable, syntax, duplicate keys, cycles.
+/// override the included ones, maps merged key by key). Throws ConfigError: unreadable, syntax, duplicate keys, cycles.
 Node load_yaml(const fs::path& file);
 /// The same from text; `name` stands for the file in messages, `directory` is what paths are relative to.
 Node parse_yaml(const std::string& text, const std::string& name, const fs::path& directory = {});

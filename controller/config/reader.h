@@ -23,8 +23,8 @@ std::string read_string(const Node& node, const std::string& key);
 /// `count` < 0: any length.
 std::vector<double> read_numbers(const Node& node, const std::string& key, int count, const Range& range = {});
 
-/// Calls visit(item, its full key) for each item of a list: "shapes[0]", "shapes[1]" ... `what` says what else a
-/// message expects: "a list of shapes".
+/// Calls visit(item, its full key) for each item of a list: "shapes[0]", "shapes[1]" ... If the node is no list the
+/// message says that `what` was expected: "a list of shapes".
 template <class Visit>
 void for_items(const Node& list, const std::string& key, std::string_view what, Visit visit);
 

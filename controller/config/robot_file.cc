@@ -165,7 +165,7 @@ std::vector<UrdfCollision> load_urdf_collision(const fs::path& robot_file, UrdfP
   read_urdf_of(robot, build);
   std::vector<UrdfCollision> all;
   const auto add = [&](const std::string& link, const UrdfGeometry& geometry) {
-    UrdfCollision element{link, geometry.mesh, geometry.shape, {}, geometry.X_LS};
+    UrdfCollision element{geometry, link, {}};
     if (!geometry.mesh.empty()) {
       try {
         element.surface = read_mesh(build.packages.resolve(geometry.mesh), geometry.scale);

@@ -4,16 +4,14 @@
 #include <vector>
 
 #include "controller/config/mesh_hull.h"
+#include "controller/model/urdf.h"
 
 namespace moma::config {
 
 /// One collision or visual element of a URDF as it is: a primitive, or a mesh with every triangle.
-struct UrdfCollision {
+struct UrdfCollision : UrdfGeometry {
   std::string link;
-  std::string mesh;                      ///< as the URDF names it; empty for a primitive
-  Shape shape;                           ///< where `mesh` is empty
-  Mesh surface;                          ///< where it is not, in the mesh's frame, scaled
-  Isometry X_LS = Isometry::Identity();  ///< of the primitive, or of the mesh's frame
+  Mesh surface;  ///< of a mesh, in its frame, scaled
 };
 
 enum class UrdfPart { kCollision, kVisual };

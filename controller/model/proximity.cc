@@ -177,8 +177,6 @@ void Proximity::set_objects(std::span<const ObjectShape> objects) {
   impl.pairs.reserve(impl.robot.size() * (impl.objects.size() + 1) + impl.model->self_pairs.size());
 }
 
-int Proximity::num_objects() const noexcept { return static_cast<int>(impl_->objects.size()); }
-
 void Proximity::hold(std::span<const ObjectState> states) noexcept { impl_->hold(states); }
 
 std::span<const ProximityPair> Proximity::query(const Kinematics& kinematics, std::span<const ObjectState> states,

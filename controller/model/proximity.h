@@ -94,11 +94,10 @@ class Proximity {
 
   /// Builds the objects' geometry and sizes every buffer for them.
   void set_objects(std::span<const ObjectShape> objects);
-  int num_objects() const noexcept;
 
   /// Returns all pairs closer than their range, in a fixed order (objects by (shape, object), floor, self); unsorted by
   /// distance. Floor pairs: shapes not rigid with the base. Self pairs: those with `row`. The span is valid until the
-  /// next call. states.size() must equal num_objects(). Invalid poses are left out: an object's own pairs, or
+  /// next call. There are as many `states` as objects. Invalid poses are left out: an object's own pairs, or
   /// everything for the robot's. No warm start between calls: the same inputs give the same bits.
   std::span<const ProximityPair> query(const Kinematics& kinematics, std::span<const ObjectState> states,
                                        const ProximityRanges& ranges) noexcept;
