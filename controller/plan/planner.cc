@@ -289,12 +289,13 @@ Isometry Planner::near_goal() noexcept {
   return X;
 }
 
-// Keeps a goal with the first tier in which it is free. An arm of six joints has few, which are found again and again.
+// Keeps a goal with the first tier in which it is free. An arm that stands has few, which are found again and again.
 void Planner::take_goal(GoalConfiguration& goal) noexcept {
   const auto same = [&](const GoalConfiguration& other) {
     return (other.c - goal.c).squaredNorm() < kSameGoal * kSameGoal;
   };
-  if (goals_.size() == goals_.capacity() || std::any_of(goals_.begin(), goals_.end(), same)) return;
+  if (goals_.size() == goals_.capacity()) return;
+  if (!limits_->mobile() && std::any_of(goals_.begin(), goals_.end(), same)) return;
   const auto free = [&](int tier) {
     space_.keep(tiers_[static_cast<std::size_t>(tier)]);
     return space_.free(goal.c) && within_rows(goal.c);

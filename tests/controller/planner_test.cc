@@ -356,7 +356,7 @@ TEST(PlannerFree, DrawsWhatAGoalLeavesFree) {
   }
 }
 
-// An arm of six joints has a few configurations at a pose, and tries find the same again and again.
+// An arm of six joints that stands has a few configurations at a pose, and tries find them again and again.
 TEST(Planner, GoalConfigurationsDiffer) {
   const auto model = load_model("configs/robots/ur5.yaml");
   Planner planner(model, plan_params(*model));
