@@ -92,7 +92,11 @@ class Drafter {
       lines_.doubt(0, "collision: {shapes: [], from: urdf, self: auto}",
                    "the URDF has no collision geometry for the arm, so that nothing it does is a collision; "
                    "--fit-shapes makes shapes of its visual meshes");
-    const config::LoadedRobot robot = load(lines_.text());
+    config::LoadedRobot robot = load(lines_.text());
+    if (!posture.clear)
+      robot.warnings.push_back(
+          "arm.ready: in every posture that was tried something touches the robot itself or the floor: "
+          "is the base, its mount or a shape wrong?");
     return {lines_.text(), robot.warnings, robot.notes, lines_.checks(), std::move(meshes_)};
   }
 

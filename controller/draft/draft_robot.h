@@ -21,7 +21,7 @@ struct DraftOptions {
 /// The first robot file of a robot.
 struct Draft {
   std::string text;                   ///< YAML; comments of doubtful lines begin with "check"
-  std::vector<std::string> warnings;  ///< warnings of the resulting robot
+  std::vector<std::string> warnings;  ///< of the resulting robot, and that no posture is clear
   std::vector<std::string> notes;
   int checks = 0;             ///< number of doubtful lines
   config::MeshSolids meshes;  ///< solids of the URDF's meshes, for whoever reads the robot again

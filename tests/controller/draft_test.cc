@@ -130,6 +130,17 @@ TEST_F(Drafts, TheOtherArmIsHeldOutOfTheWay) {
   EXPECT_EQ(made.text, draft_robot({folder_ / "robot.urdf", folder_, false}).text);
 }
 
+TEST_F(Drafts, SaysThatNoPostureIsClear) {
+  const std::string wheels = wheel("left_wheel", "0 0.25 0") + wheel("right_wheel", "0 -0.25 0");
+  const auto warned = [&](const std::string& mount) {
+    const Draft made = draft_robot({urdf(body() + wheels + arm("base_link", "", mount)), folder_, false});
+    return std::any_of(made.warnings.begin(), made.warnings.end(),
+                       [](const std::string& text) { return text.starts_with("arm.ready: in every posture"); });
+  };
+  EXPECT_FALSE(warned("0 0 0.3"));
+  EXPECT_TRUE(warned("0 0 -3")) << "an arm in the floor";
+}
+
 TEST_F(Drafts, PosturesAreLookedForWithTheShapesThatWillBe) {
   const fs::path file = urdf(body() + arm("base_link", "", "0 0 0.3"));
   const Draft plain = draft_robot({file, folder_, false});
