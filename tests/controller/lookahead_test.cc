@@ -85,6 +85,30 @@ TEST_P(Ahead, GetsRoundAWallThatThePolicyDoesNot) {
   EXPECT_GE(with, without);
 }
 
+TEST_P(Ahead, OffIsAsIfItWereNotThere) {
+  const Scene scene = make_scene(model, 3, 10);
+  ControllerParams off = read_params(*model, false);
+  off.plan.budget = 7;
+  Loop a(model, read_params(*model, false), scene), b(model, off, scene);
+  for (int i = 0; i < 150; ++i) {
+    a.step();
+    b.step();
+    ASSERT_EQ((a.result.command - b.result.command).norm(), 0.0) << "step " << i;
+  }
+  EXPECT_EQ(a.controller.lookahead(), nullptr);
+}
+
+TEST_P(Ahead, TheSameInputsGiveTheSameBits) {
+  const Scene scene = make_scene(model, 5, 20);
+  const ControllerParams params = read_params(*model, true);
+  Loop a(model, params, scene), b(model, params, scene);
+  for (int i = 0; i < 400; ++i) {
+    a.step();
+    b.step();
+    ASSERT_EQ((a.result.command - b.result.command).norm(), 0.0) << "step " << i;
+  }
+}
+
 // A gap in which the rows' own stop distance lets no base drive: on a path they keep what the path keeps.
 TEST(AheadOfAGap, RowsLetAPathThrough) {
   const auto model = load_model("configs/robots/frankie.yaml");
