@@ -84,13 +84,16 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
   angular_acceleration = plan.acceleration * a_angular;
 }
 
-double distance_squared(const Eigen::Ref<const VectorX>& a, const WholeConfiguration& b) noexcept {
-  constexpr double kTurn = 0.3, kJoint = 0.25;
+double MotionLimits::distance_squared(const Eigen::Ref<const VectorX>& a, const WholeConfiguration& b) const noexcept {
+  constexpr double kTurn = 0.3, kJoints = 0.5;
   double joints = 0.0;
-  for (Eigen::Index i = 3; i < a.size(); ++i) joints += (a[i] - b[i]) * (a[i] - b[i]);
+  for (int i = 0; i < num_joints(); ++i) {
+    const double way = lever[i] * (a[3 + i] - b[3 + i]);
+    joints += way * way;
+  }
   const double turn = kTurn * wrapped(a[2] - b[2]);
   const double x = a[0] - b[0], y = a[1] - b[1];
-  return x * x + y * y + turn * turn + kJoint * kJoint * joints;
+  return x * x + y * y + turn * turn + kJoints * kJoints * joints;
 }
 
 }  // namespace moma

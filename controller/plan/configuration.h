@@ -50,12 +50,13 @@ struct MotionLimits {
     return along < -std::sin(0.5 * facing) * distance;
   }
 
+  /// Returns the squared distance of two configurations [m^2]: of the base's way, 0.3 m per rad of its heading, and
+  /// half of the typical travel that each joint causes, by `lever`. A turn of the wrist moves little, so that it hardly
+  /// counts.
+  double distance_squared(const Eigen::Ref<const VectorX>& a, const WholeConfiguration& b) const noexcept;
+
   int num_joints() const noexcept { return static_cast<int>(lower.size()); }
   bool mobile() const noexcept { return base->dof() > 0; }
 };
-
-/// Returns the squared distance of two configurations. A metre of the base's way weighs as much as 3.3 rad of its
-/// heading or 4 rad of a joint.
-double distance_squared(const Eigen::Ref<const VectorX>& a, const WholeConfiguration& b) noexcept;
 
 }  // namespace moma

@@ -61,7 +61,7 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
   least_.object = least_of(params.collision.object, params.plan.clearance);
   static_assert(SmoothPath::kMostCorners == EdgeList::kMost + 1);
   corners_.reserve(SmoothPath::kMostCorners);
-  goals_.reserve(static_cast<std::size_t>(params_.search.goals * params_.ik_enough));
+  goals_.reserve(static_cast<std::size_t>(params_.search.goals * params_.search.effort * params_.ik_enough));
   tiers_.fill(space_.keeps());
 }
 
@@ -228,7 +228,8 @@ void Planner::work() noexcept {
 // limits. If a plan found none, measured objects may lie where the hand would be, or the goal is measured beyond the
 // arm's reach: then poses count from which the trial succeeds all the same.
 void Planner::try_goal() noexcept {
-  if (usable_goals() + late_ >= params_.ik_enough || tries_ >= effort_ * params_.ik_tries) return begin_search();
+  if (usable_goals() + late_ >= effort_ * params_.ik_enough || tries_ >= effort_ * params_.ik_tries)
+    return begin_search();
   const int aim = close_goal() && tries_ % 2 == 1 ? last_tier() : tier_;
   ik_.keep_room(kRoom[static_cast<std::size_t>(aim)]);
   space_.keep(tiers_[static_cast<std::size_t>(aim)]);
@@ -365,7 +366,8 @@ void Planner::begin_run() noexcept {
   const bool goes_on = goes_on_ && run_ == 1 && std::any_of(goals.begin(), goals.end(), rooted);
   if (!goes_on)
     for (GoalConfiguration& goal : goals_) goal.rooted = false;
-  search_.begin({start_, X_WG_.translation().head<2>(), goals, params_.roots, &tuck_, beyond(), longest_}, goes_on);
+  search_.begin({start_, X_WG_.translation().head<2>(), goals, effort_ * params_.roots, &tuck_, beyond(), longest_},
+                goes_on);
   stage_ = PlanStage::kSearch;
 }
 

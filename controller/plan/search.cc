@@ -11,7 +11,7 @@ int Tree::nearest(const WholeConfiguration& c) const noexcept {
   int best = -1;
   double least = 0.0;
   for (int i = 0; i < size_; ++i) {
-    const double d = distance_squared(nodes_.col(i), c);
+    const double d = limits_->distance_squared(nodes_.col(i), c);
     if (best >= 0 && d >= least) continue;
     least = d;
     best = i;
@@ -68,8 +68,8 @@ Search::Search(const MotionLimits& limits, const SearchParams& params, double ch
     : limits_(&limits),
       params_(params),
       check_step_(check_step),
-      from_start_(3 + limits.num_joints(), kNodes),
-      from_goal_(3 + limits.num_joints(), kNodes) {}
+      from_start_(limits, kNodes),
+      from_goal_(limits, kNodes) {}
 
 void Search::begin(const SearchTask& task, bool goes_on) {
   task_ = task;
@@ -137,17 +137,26 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
   return SearchProgress::kMore;
 }
 
-// Draws a node and a direction of the hand: one of the hand's axes in half of the draws, otherwise any. False for a
-// draw of joints, and if the goal is not close to an object.
+// Draws a node and a direction of the hand: back along the arm to one of its joints, which leads out of where it
+// reaches in, one of the hand's axes, or any. False for a draw of joints, and if the goal is not close to an object.
 bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
   if (!narrow(space) || draws.uniform() >= params_.hand_moves) return false;
+  constexpr double kBack = 0.25, kAlongAxes = 0.35;  // shares of the directions
   const Tree& growing = tree(side_);
   grown_ = static_cast<int>(draws.choice(static_cast<std::size_t>(growing.size())));
-  if (draws.uniform() < 0.5) {
-    const auto axis = static_cast<Eigen::Index>(draws.choice(6));
+  const double kind = draws.uniform();
+  if (kind < kBack + kAlongAxes) {
     space.charge(1);
-    hand_step_ = space.place(growing.node(grown_)).X_WE().linear().col(axis / 2);
-    if (axis % 2 == 1) hand_step_ = -hand_step_;
+    const Kinematics& kinematics = space.place(growing.node(grown_));
+    if (kind < kBack) {
+      const auto joint = static_cast<int>(draws.choice(static_cast<std::size_t>(limits_->num_joints())));
+      const Vector3 p_W = kinematics.X_WL(kinematics.model().joint(joint).link).translation();
+      hand_step_ = (p_W - kinematics.X_WE().translation()).stableNormalized();
+    } else {
+      const auto axis = static_cast<Eigen::Index>(draws.choice(6));
+      hand_step_ = kinematics.X_WE().linear().col(axis / 2);
+      if (axis % 2 == 1) hand_step_ = -hand_step_;
+    }
   } else {
     const double z = draws.uniform(-1.0, 1.0), angle = draws.uniform(-std::numbers::pi, std::numbers::pi);
     const double r = std::sqrt(1.0 - z * z);
@@ -195,7 +204,7 @@ SearchProgress Search::move_hand(FreeSpace& space) noexcept {
 // Adds an edge from a node towards the target, at most one step, as far as it is free. Returns the new node, or -1.
 int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguration& target, bool& reached) noexcept {
   const WholeConfiguration a = tree.node(from);
-  const double way = std::sqrt(distance_squared(a, target));
+  const double way = std::sqrt(limits_->distance_squared(a, target));
   const double most = limits_->mobile() ? params_.step : params_.arm_step;
   const double part = way <= most ? 1.0 : most / way;
   WholeConfiguration b = target;
@@ -214,7 +223,7 @@ int Search::grow(FreeSpace& space, Tree& tree, int from, const WholeConfiguratio
   double free = space.free_part(edge_, check_step_);
   if (free == 1.0) return tree.add(b, from);
   reached = false;
-  if (free * std::sqrt(distance_squared(a, b)) < params_.least_step) return -1;
+  if (free * std::sqrt(limits_->distance_squared(a, b)) < params_.least_step) return -1;
   free *= params_.back;
   edge_point(*limits_, edge_, free, b);
   if (limits_->mobile()) {
@@ -238,7 +247,7 @@ bool Search::keep_upright(FreeSpace& space, const WholeConfiguration& a, const W
   if (!space.bring_upright(b)) return false;
   if (b == straight) return true;
   reached = false;
-  return distance_squared(b, target) < distance_squared(a, target);
+  return limits_->distance_squared(b, target) < limits_->distance_squared(a, target);
 }
 
 // Makes the edges from the start to the trees' meeting point, and on along the goals' tree.

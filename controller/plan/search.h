@@ -14,7 +14,9 @@ namespace moma {
 /// A tree of configurations with one or several roots. Only the constructor allocates.
 class Tree {
  public:
-  Tree(int num_values, int capacity) : nodes_(num_values, capacity), parents_(static_cast<std::size_t>(capacity), -1) {}
+  /// `limits` must outlive the tree.
+  Tree(const MotionLimits& limits, int capacity)
+      : limits_(&limits), nodes_(3 + limits.num_joints(), capacity), parents_(static_cast<std::size_t>(capacity), -1) {}
 
   void clear() noexcept { size_ = 0; }
   int size() const noexcept { return size_; }
@@ -31,6 +33,7 @@ class Tree {
   int nearest(const WholeConfiguration& c) const noexcept;
 
  private:
+  const MotionLimits* limits_;
   MatrixX nodes_;  // a column each
   std::vector<int> parents_;
   int size_ = 0;

@@ -42,7 +42,7 @@ class EdgeSpace : public ob::RealVectorStateSpace {
     set(c, out);
   }
   double distance(const ob::State* a, const ob::State* b) const override {
-    return std::sqrt(distance_squared(get(a), get(b)));
+    return std::sqrt(limits_.distance_squared(get(a), get(b)));
   }
   bool isMetricSpace() const override { return false; }
 
