@@ -116,8 +116,10 @@ constexpr void describe(auto& v, Of<SearchParams>) {
   v.member("same_goal_turn", &T::same_goal_turn, positive("rad", "the same of the goal's orientation"));
   v.member("beyond", &T::beyond, non_negative("m", "distance beyond start and goal within which bases are drawn"));
   v.member("roomy_beyond", &T::roomy_beyond, non_negative("m", "the same in the roomy tier"));
-  v.member("goals", &T::goals, in_range({1.0, 100.0}, "", "goal configurations kept, in units of plan.ik_enough"));
-  v.member("effort", &T::effort, in_range({1.0, 1000.0}, "", "largest factor on the work after failures"));
+  v.member("goals", &T::goals,
+           in_range({1.0, 100.0}, "", "most goal configurations, in units of plan.ik_enough and search.effort"));
+  v.member("effort", &T::effort,
+           in_range({1.0, 1000.0}, "", "largest factor after failures on checks, tries, solutions and roots"));
   v.member("hard", &T::hard,
            unless_default(
                in_range({1.0, 1000.0}, "",

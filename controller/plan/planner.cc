@@ -25,8 +25,8 @@ constexpr double kOverlapped = 0.75, kShortened = 0.6;
 constexpr std::array<double, 4> kRoom{1.0, 1.0, 0.0, 0.0};
 // Distance of goals beyond the rows' stop distances, at which the robot would not arrive [m].
 constexpr double kWithinRows = 0.002;
-// Distance between goal configurations that differ [rad, m].
-constexpr double kSameGoal = 0.02;
+// Distance between goal configurations that differ, by MotionLimits::distance_squared() [m].
+constexpr double kSameGoal = 0.12;
 // Poses of a goal with free directions whose distances from objects are looked at.
 constexpr int kPoses = 8;
 
@@ -290,13 +290,14 @@ Isometry Planner::near_goal() noexcept {
   return X;
 }
 
-// Keeps a goal with the first tier in which it is free. An arm that stands has few, which are found again and again.
+// Keeps a goal with the first tier in which it is free. An arm that stands finds the same ones again and again, and
+// where a plan has failed, more of what it had do not help.
 void Planner::take_goal(GoalConfiguration& goal) noexcept {
   const auto same = [&](const GoalConfiguration& other) {
-    return (other.c - goal.c).squaredNorm() < kSameGoal * kSameGoal;
+    return limits_->distance_squared(other.c, goal.c) < kSameGoal * kSameGoal;
   };
   if (goals_.size() == goals_.capacity()) return;
-  if (!limits_->mobile() && std::any_of(goals_.begin(), goals_.end(), same)) return;
+  if ((effort_ > 1 || !limits_->mobile()) && std::any_of(goals_.begin(), goals_.end(), same)) return;
   const auto free = [&](int tier) {
     space_.keep(tiers_[static_cast<std::size_t>(tier)]);
     return space_.free(goal.c) && within_rows(goal.c);

@@ -368,9 +368,44 @@ TEST(Planner, GoalConfigurationsDiffer) {
     found += goals.size();
     for (std::size_t i = 0; i < goals.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
-        EXPECT_GT((goals[i].c - goals[j].c).norm(), 0.01) << "seed " << seed << ": " << i << " and " << j;
+        EXPECT_GT(planner.limits().distance_squared(goals[i].c, goals[j].c), 0.12 * 0.12)
+            << "seed " << seed << ": " << i << " and " << j;
   }
   EXPECT_GE(found, 20u);
+}
+
+// A metre of the base counts as it is; a joint by half of what it moves: a shoulder's turn more than a wrist's.
+TEST(Planner, DistancesAreWaysOfTheRobot) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  const MotionLimits limits(*model, plan_params(*model));
+  const WholeConfiguration a = WholeConfiguration::Zero(3 + model->num_joints());
+  const auto distance = [&](int i, double by) {
+    WholeConfiguration b = a;
+    b[i] += by;
+    return std::sqrt(limits.distance_squared(a, b));
+  };
+  EXPECT_NEAR(distance(0, 0.4), 0.4, 1e-12);
+  EXPECT_NEAR(distance(2, 2 * std::numbers::pi), 0.0, 1e-12);
+  for (int i = 0; i < model->num_joints(); ++i) EXPECT_NEAR(distance(3 + i, 0.2), 0.1 * limits.lever[i], 1e-12) << i;
+  EXPECT_GT(distance(3, 1.0), 3.0 * distance(9, 1.0));
+}
+
+// Its search has no work, so that each plan fails.
+TEST(Planner, AFailedPlanLooksForMoreGoals) {
+  const auto model = load_model("configs/robots/panda.yaml");
+  ControllerParams params = plan_params(*model);
+  params.plan.ik_enough = 4;
+  params.plan.checks = 1;
+  Planner planner(model, params);
+  const Scene scene = make_scene(model, 1, 6);
+  planner.set_objects(scene.shapes);
+  for (const std::size_t enough : {4u, 8u}) {
+    planner.begin(scene.start, scene.X_WG, scene.states, 1);
+    long budget = 1L << 40;
+    planner.advance(budget);
+    EXPECT_FALSE(planner.found());
+    EXPECT_GE(planner.goals().size(), enough);
+  }
 }
 
 }  // namespace
