@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <utility>
 
 #include "controller/plan/shorten.h"
 #include "controller/plan/tuck.h"
@@ -330,9 +329,7 @@ void Planner::begin_search() noexcept {
     const bool first = a.tier <= tier_, second = b.tier <= tier_;
     return first != second ? first : a.cost < b.cost;
   };
-  // Insertion sort: stable, without allocation, for few goals.
-  for (std::size_t i = 1; i < goals_.size(); ++i)
-    for (std::size_t j = i; j > 0 && before(goals_[j], goals_[j - 1]); --j) std::swap(goals_[j], goals_[j - 1]);
+  std::sort(goals_.begin(), goals_.end(), before);
   longest_ = within_ < kAnyLength ? within_ * limits_->linear : kAnyLength;
   if (smooths() && params_.smooth.routes > 0)
     begin_route();
