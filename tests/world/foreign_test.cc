@@ -288,6 +288,25 @@ scenes:
   EXPECT_EQ(read_foreign(panda_, {own}).worlds.size(), 3U);
 }
 
+TEST_F(Foreign, CountsStartsInTouch) {
+  const auto problem = [](const std::string& start, const std::string& box) {
+    return R"({"start": )" + start +
+           R"(, "goals": [[0.1, -0.2, 0.3, -1.4, 0.5, 1.6, 0.7]], "sphere": [], "cylinder": [],
+      "box": [{"name": "lid", "half_extents": [0.1, 0.1, 0.1], "position": )" +
+           box + R"(, "orientation_quat_xyzw": [0, 0, 0, 1]}]})";
+  };
+  const std::string clear = "[0, -0.8, 0, -2.3, 0, 1.5, 0.8]", folded = "[0, 1.7, 0, -3.05, 0, 0.2, 0]";
+  const auto vamp =
+      scratch_.write("problems.json", R"({"robot": "panda", "joints": ["panda_joint1", "panda_joint2", "panda_joint3",
+    "panda_joint4", "panda_joint5", "panda_joint6", "panda_joint7"], "problems": {"three": [)" +
+                                          problem(clear, "[-1, 0, 0.5]") + ", " + problem(clear, "[0.35, 0, 0.55]") +
+                                          ", " + problem(folded, "[-1, 0, 0.5]") + "]}}");
+  const ForeignWorlds found = read_foreign(panda_, {vamp});
+  EXPECT_TRUE(noted(found, "2 of 3 starts are in touch, so that their trials collide at once: "));
+  EXPECT_TRUE(noted(found, "panda_hand - lid"));
+  EXPECT_TRUE(noted(found, "panda_link0 - panda_link6"));
+}
+
 // An object attached by its name alone stands in the scene; a request's attached objects go before the scene's.
 TEST_F(Foreign, AttachedObjectsOfScenesAndRequestsAreOneInTheHand) {
   const std::string scene =

@@ -77,6 +77,9 @@ class Importer {
     pair_up();
     if (out_.worlds.empty())
       throw config::ConfigError("these files hold no problem: a scene needs a request with a goal");
+    if (touching_ > 0)
+      changes_[fmt::format("{} of {} starts are in touch, so that their trials collide at once", touching_,
+                           out_.worlds.size())] = in_touch_;
     for (const auto& [what, names] : changes_) {
       constexpr std::size_t kShown = 5;
       const std::vector<std::string> shown(names.begin(), std::next(names.begin(), std::min(names.size(), kShown)));
@@ -263,6 +266,9 @@ class Importer {
     SceneBuilder builder(robot_at_start(model_, world), 0, world.index, {});
     builder.take_robot(world);
     builder.measure(world);
+    const std::vector<std::string> pairs = builder.touching_at_start(world);
+    touching_ += pairs.empty() ? 0 : 1;
+    in_touch_.insert(pairs.begin(), pairs.end());
     out_.worlds.push_back(std::move(world));
   }
 
@@ -271,6 +277,8 @@ class Importer {
   std::vector<Scene> scenes_;
   std::vector<Request> requests_;
   Changes changes_;
+  int touching_ = 0;                // starts in touch
+  std::set<std::string> in_touch_;  // their pairs
   ForeignWorlds out_;
 };
 

@@ -391,4 +391,17 @@ void SceneBuilder::measure(World& world) {
   out.narrowest_gap_m = gap;
 }
 
+std::vector<std::string> SceneBuilder::touching_at_start(const World& world) {
+  std::vector<ObjectState> states(world.objects.size());
+  object_states(world, 0.0, states);
+  proximity_.set_objects(object_shapes(world));
+  std::vector<std::string> out;
+  for (const ProximityPair& pair : proximity_.query(start_, states, {0.0, -1.0, 0.0}))
+    out.push_back(fmt::format("{} - {}", model_->shape(pair.first).name,
+                              pair.kind == PairKind::kSelf
+                                  ? model_->shape(pair.second).name
+                                  : world.objects[static_cast<std::size_t>(pair.second)].name));
+  return out;
+}
+
 }  // namespace moma

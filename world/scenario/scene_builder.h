@@ -135,6 +135,8 @@ class SceneBuilder {
   std::vector<Vector3> footprints() const;
 
   void measure(World& world);
+  /// Pairs that are in touch at the start, "link - link" or "link - object", after take_robot().
+  std::vector<std::string> touching_at_start(const World& world);
 
  private:
   Draws place_bases(const Placement& placement, World& world) const;
