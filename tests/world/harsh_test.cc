@@ -42,14 +42,16 @@ TEST(DelayLine, HandsOutTheNewestThatHasArrived) {
   }
 }
 
-TEST(DelayLine, WithoutJitterAndLossesIsThePlainOne) {
+TEST(DelayLine, WithoutJitterAndLossesHandsOutTheValueOfSoManyStepsBefore) {
   for (const long steps : {0L, 2L}) {
-    DelayLine<double> plain(steps, 0.0, BeforeFirst::kHoldFirst), other(steps, 0.0, BeforeFirst::kHoldFirst);
+    DelayLine<double> holds(steps, -1.0, BeforeFirst::kHoldFirst), plain(steps, -1.0, BeforeFirst::kPrototype);
+    const auto made = [](long k) { return std::sin(static_cast<double>(k)); };
     for (long k = 0; k < 50; ++k) {
-      double a = std::sin(static_cast<double>(k)), b = a;
-      plain.pass(k, a);
-      other.pass(k, b, 0);
-      ASSERT_EQ(a, b) << k;
+      double a = made(k), b = a;
+      holds.pass(k, a);
+      plain.pass(k, b);
+      ASSERT_EQ(a, made(std::max(0L, k - steps))) << k;
+      ASSERT_EQ(b, k < steps ? -1.0 : made(k - steps)) << k;
     }
   }
 }

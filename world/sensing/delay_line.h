@@ -28,18 +28,9 @@ class DelayLine {
         due_(ring_.size(), 0),
         held_(prototype) {}
 
-  /// Replaces the value of step k = 0, 1, 2, ... (each once, in order) by that of step k - `steps`.
-  void pass(long k, T& value) {
-    if (steps_ == 0) return;
-    ring_[slot(k)] = value;
-    // The next slot has the value of `steps` before, or still the prototype; slot 0 keeps the first value until it is
-    // due.
-    value = ring_[before_ == BeforeFirst::kHoldFirst && k < steps_ ? 0 : slot(k + 1)];
-  }
-
-  /// Does the same for a value with the additional delay `more` or kLost: replaces it by the newest value that has
-  /// arrived. Use one of the two overloads throughout.
-  void pass(long k, T& value, long more) {
+  /// Replaces the value of step k = 0, 1, 2, ... (each once, in order), which arrives after `steps` and `more` steps or
+  /// is kLost, by the newest value that has arrived.
+  void pass(long k, T& value, long more = 0) {
     if (k == 0 && before_ == BeforeFirst::kHoldFirst) held_ = value;
     if (ring_.empty()) {  // without delay, but possibly lost
       if (more != kLost) held_ = value;
@@ -61,8 +52,6 @@ class DelayLine {
   }
 
  private:
-  std::size_t slot(long k) const { return static_cast<std::size_t>(k % (steps_ + 1)); }
-
   long steps_;
   BeforeFirst before_;
   std::vector<T> ring_;
