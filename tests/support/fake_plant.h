@@ -16,14 +16,7 @@ class FakePlant : public Plant {
   using Fault = std::function<void(double time, PlantState& state, PlantReport& report)>;
 
   FakePlant(std::shared_ptr<const RobotModel> model, const World& world, Fault fault = {})
-      : model_(std::move(model)), fault_(std::move(fault)) {
-    state_.base = world.start.base;
-    state_.q = world.start.q;
-    state_.qdot = VectorX::Zero(model_->num_velocities());
-  }
-
-  const PlantState& state() const override { return state_; }
-  double time() const override { return time_; }
+      : Plant(*model, world), model_(std::move(model)), fault_(std::move(fault)) {}
 
   void check_start(PlantReport& report) override {
     report = {};
@@ -41,8 +34,6 @@ class FakePlant : public Plant {
  private:
   std::shared_ptr<const RobotModel> model_;
   Fault fault_;
-  PlantState state_;
-  double time_ = 0.0;
 };
 
 /// Says what it is told to say.

@@ -124,14 +124,6 @@ class DifferentialBase final : public OdeBase {
     for (const Wheel& wheel : wheel_) bodies.add(wheel.body);
   }
 
-  bool healthy(double limit) const override {
-    return std::ranges::all_of(wheel_, [&](const Wheel& wheel) {
-      const Vector3 v = ode::from_vector(dBodyGetLinearVel(wheel.body));
-      return ode::from_vector(dBodyGetPosition(wheel.body)).allFinite() && v.allFinite() && v.norm() <= limit &&
-             ode::from_vector(dBodyGetAngularVel(wheel.body)).allFinite();
-    });
-  }
-
  private:
   struct Wheel {
     dBodyID body = nullptr;

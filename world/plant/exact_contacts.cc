@@ -1,7 +1,8 @@
 #include "world/plant/exact_contacts.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "controller/model/analytic_distance.h"
 
 namespace moma {
 namespace {
@@ -9,34 +10,11 @@ namespace {
 // The distance library reports some overlaps of up to 1e-5 m as a gap below this [m].
 constexpr double kUnsure = 2e-5;
 
-/// Nearest point of a solid, in closed form; not for hulls.
+/// Nearest point of a solid; not for hulls.
 Vector3 nearest_in(const Shape& shape, const Isometry& X_WS, const Vector3& p_W) {
-  Vector3 p = X_WS.linear().transpose() * (p_W - X_WS.translation());
-  const double r = shape.size.x();
-  const double half = 0.5 * shape.size.y();
-  switch (shape.kind) {
-    case ShapeKind::kSphere:
-      if (p.norm() > r) p *= r / p.norm();
-      break;
-    case ShapeKind::kBox:
-      p = p.cwiseMax(-0.5 * shape.size).cwiseMin(0.5 * shape.size);
-      break;
-    case ShapeKind::kCylinder: {
-      const double across = std::hypot(p.x(), p.y());
-      if (across > r) p.head<2>() *= r / across;
-      p.z() = std::clamp(p.z(), -half, half);
-      break;
-    }
-    case ShapeKind::kCapsule: {
-      const Vector3 axis(0.0, 0.0, std::clamp(p.z(), -half, half));
-      const double away = (p - axis).norm();
-      if (away > r) p = axis + (p - axis) * (r / away);
-      break;
-    }
-    case ShapeKind::kConvex:
-      break;
-  }
-  return X_WS.linear() * p + X_WS.translation();
+  const Vector3 p = X_WS.linear().transpose() * (p_W - X_WS.translation());
+  const PointDistance to = point_distance(shape, p);
+  return to.d <= 0.0 ? p_W : X_WS * Vector3(p - to.d * to.n_S);
 }
 
 /// True if alternating projections from p_W find a common point of both solids, which never happens if they are apart.

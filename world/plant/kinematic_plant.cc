@@ -15,15 +15,16 @@ constexpr double kContactInterval = 0.005;  // [s]
 class KinematicPlant final : public Plant {
  public:
   KinematicPlant(std::shared_ptr<const RobotModel> model, const World& world, bool stops, ContactChecks checks)
-      : model_(std::move(model)), empty_(model_), world_(world), kinematics_(model_), stops_(stops), checks_(checks) {
-    state_.base = world.start.base;
-    state_.q = world.start.q;
-    state_.qdot = VectorX::Zero(model_->num_velocities());
-    q_ = state_.q;
+      : Plant(*model, world),
+        model_(std::move(model)),
+        empty_(model_),
+        world_(world),
+        kinematics_(model_),
+        stops_(stops),
+        checks_(checks),
+        q_(world.start.q) {
     build();
   }
-
-  const PlantState& state() const override { return state_; }
 
   void carry(const std::optional<Carried>& carried) override {
     kinematics_.update(state_.base, state_.q);
@@ -32,8 +33,6 @@ class KinematicPlant final : public Plant {
   }
 
   void set_paces(std::span<const Pace> paces) override { scene_->set_paces(paces); }
-
-  double time() const override { return time_; }
 
   DetectorCheck cross_check() override {
     place(state_.base, state_.q, time_);
@@ -161,9 +160,7 @@ class KinematicPlant final : public Plant {
   double reach_ = 0.0;  // bound on the distance of two points of the robot [m]
   ContactChecks checks_;
   bool watching_ = false;
-  PlantState state_;
   VectorX q_;
-  double time_ = 0.0;
 };
 
 }  // namespace

@@ -41,8 +41,6 @@ class OdeBase {
   virtual double power() const = 0;
   /// Adds the drive's own bodies to those that an undone step restores.
   virtual void list_bodies(ode::BodyStates& bodies) const = 0;
-  /// False if a wheel's speed or position is not finite, or beyond `limit` [m/s].
-  virtual bool healthy(double limit) const = 0;
 };
 
 /// The drive of one kind of base: its two functions are those of OdeBase, null for a fixed base. NAME_base.cc defines

@@ -112,4 +112,12 @@ void BodyStates::restore() const {
   }
 }
 
+bool BodyStates::healthy(double limit) const {
+  return std::ranges::all_of(states_, [limit](const State& s) {
+    const Vector3 v = from_vector(dBodyGetLinearVel(s.body));
+    return v.allFinite() && v.norm() <= limit && from_vector(dBodyGetAngularVel(s.body)).allFinite() &&
+           from_vector(dBodyGetPosition(s.body)).allFinite();
+  });
+}
+
 }  // namespace moma::ode

@@ -118,6 +118,8 @@ class BodyStates {
   void save();
   /// Restores the saved states of the bodies and their geoms.
   void restore() const;
+  /// False if a present position or velocity is not finite, or a speed beyond `limit` [m/s].
+  bool healthy(double limit) const;
 
  private:
   struct State {

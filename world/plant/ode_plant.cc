@@ -30,7 +30,8 @@ class OdePlant final : public Plant {
  public:
   OdePlant(std::shared_ptr<const RobotModel> model, const World& world, const SimulationConfig& simulation,
            const PlantConditions& conditions, MotorBounds bounds)
-      : model_(std::move(model)),
+      : Plant(*model, world),
+        model_(std::move(model)),
         empty_(model_),
         step_(simulation.physics_step),
         bounds_(bounds),
@@ -46,9 +47,6 @@ class OdePlant final : public Plant {
     dWorldSetContactMaxCorrectingVel(id, 0.1);
     dWorldSetContactSurfaceLayer(id, kContactLayer);
     build();
-    state_.base = world.start.base;
-    state_.q = world.start.q;
-    state_.qdot = VectorX::Zero(model_->num_velocities());
     ramped_ = mean_ = VectorX::Zero(model_->base_dof());
     for (int i = 0; i < arm_.num_bodies(); ++i) bodies_.add(arm_.body(i));
     if (base_) base_->list_bodies(bodies_);
@@ -78,8 +76,6 @@ class OdePlant final : public Plant {
     (void)contacts_.release();
   }
 
-  const PlantState& state() const override { return state_; }
-  double time() const override { return time_; }
   DetectorCheck cross_check() override { return scene_->cross_check(); }
 
   void check_start(PlantReport& report) override {
@@ -286,17 +282,9 @@ class OdePlant final : public Plant {
 
   /// Reads the state after a step of h seconds.
   bool read_state(double h) {
-    for (int i = 0; i < arm_.num_bodies(); ++i) {
-      const Vector3 v = ode::from_vector(dBodyGetLinearVel(arm_.body(i)));
-      const Vector3 w = ode::from_vector(dBodyGetAngularVel(arm_.body(i)));
-      if (!v.allFinite() || !w.allFinite() || !(v.norm() <= kTopSpeed) ||
-          !ode::from_vector(dBodyGetPosition(arm_.body(i))).allFinite())
-        return false;
-    }
-    if (base_ && !base_->healthy(kTopSpeed)) return false;
-    const int dof = model_->base_dof();
+    if (!bodies_.healthy(kTopSpeed)) return false;
     arm_.read(state_.q, state_.qdot.tail(model_->num_joints()));
-    if (dof > 0) read_base(h);
+    if (base_) read_base(h);
     return state_.q.allFinite() && state_.qdot.allFinite() && state_.base.allFinite();
   }
 
@@ -406,12 +394,10 @@ class OdePlant final : public Plant {
   SolidPoses solids_;
   std::vector<Isometry> in_body_;  // pose of each shape in its body's frame
 
-  PlantState state_;
   std::tuple<PlantState, VectorX, double, double, bool, double, double, int> before_;  // saved changing()
   VectorX before_q_;                                                                   // of the arm
   VectorX ramped_;  // the base's command after its acceleration limits
   VectorX mean_;    // mean of `ramped_` over a step
-  double time_ = 0.0;
   double height_ = 0.0;
   double up_ = 1.0;
   bool detected_ = false;

@@ -51,10 +51,9 @@ class OmnidirectionalBase final : public OdeBase {
     velocity.head<3>() = speeds;
     integrate(model_, base, q, velocity, h);
     wanted_ = (base_pose(base) * X_BC.translation() - before) / h;
-    turn_ = speeds[2];
     dJointSetLMotorParam(linear_, dParamVel, wanted_.x());
     dJointSetLMotorParam(linear_, dParamVel2, wanted_.y());
-    dJointSetAMotorParam(angular_, dParamVel, turn_);
+    dJointSetAMotorParam(angular_, dParamVel, speeds[2]);
   }
 
   void add_floor_contacts(dWorldID world, dJointGroupID group, double h) override {
@@ -68,8 +67,9 @@ class OmnidirectionalBase final : public OdeBase {
 
   double power() const override {
     const Vector3 v = ode::from_vector(dBodyGetLinearVel(base_));
-    const double turning = linear_power(v) + std::abs(angular_feedback_.t1[2] * dBodyGetAngularVel(base_)[2]);
-    return turning;
+    const dReal* force = linear_feedback_.f1;
+    return std::abs(force[0] * v.x()) + std::abs(force[1] * v.y()) +
+           std::abs(angular_feedback_.t1[2] * dBodyGetAngularVel(base_)[2]);
   }
 
   void set_bounded(bool bounded) override {
@@ -85,7 +85,6 @@ class OmnidirectionalBase final : public OdeBase {
   }
 
   void list_bodies(ode::BodyStates&) const override {}  // no own bodies
-  bool healthy(double) const override { return true; }
 
  private:
   static double foot_radius(const RobotModel& model) { return model.base.wheels ? model.base.wheels->radius : 0.05; }
@@ -108,11 +107,6 @@ class OmnidirectionalBase final : public OdeBase {
     return sum / static_cast<double>(points.size());
   }
 
-  double linear_power(const Vector3& v) const {
-    const Vector3 force = ode::from_vector(linear_feedback_.f1);
-    return std::abs(force.x() * v.x()) + std::abs(force.y() * v.y());
-  }
-
   const RobotModel& model_;
   OdeArm& arm_;
   dBodyID base_;
@@ -121,7 +115,6 @@ class OmnidirectionalBase final : public OdeBase {
   dJointID linear_ = nullptr, angular_ = nullptr;
   dJointFeedback linear_feedback_{}, angular_feedback_{};
   Vector3 wanted_ = Vector3::Zero();
-  double turn_ = 0.0;
 };
 
 std::unique_ptr<OdeBase> make_omnidirectional(dWorldID world, const RobotModel& model, OdeArm& arm, const Vector3&,

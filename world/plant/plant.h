@@ -121,8 +121,9 @@ struct DetectorCheck {
 class Plant {
  public:
   virtual ~Plant() = default;
-  virtual const PlantState& state() const = 0;
-  virtual double time() const = 0;
+  const PlantState& state() const noexcept { return state_; }
+  /// Time since the start [s].
+  double time() const noexcept { return time_; }
   /// Contacts of the start configuration, at t = 0.
   virtual void check_start(PlantReport& report) = 0;
   /// Holds `command` (num_velocities(), finite) for `duration` seconds. Overwrites `report`.
@@ -139,6 +140,12 @@ class Plant {
   void set_clock(PlantClock* clock) noexcept { clock_ = clock; }
 
  protected:
+  /// At rest at the world's start.
+  Plant(const RobotModel& model, const World& world)
+      : state_{world.start.base, world.start.q, VectorX::Zero(model.num_velocities())} {}
+
+  PlantState state_;
+  double time_ = 0.0;
   PlantClock* clock_ = nullptr;
 };
 
