@@ -113,8 +113,6 @@ ContactScene::ContactScene(std::shared_ptr<const RobotModel> model, const World&
   exact_ = ExactContacts::make(*model_, world_, meets_floor_);
 }
 
-ContactScene::~ContactScene() = default;
-
 Isometry ContactScene::robot_tilt(int shape) const {
   const auto i = static_cast<std::size_t>(shape);
   return small_turn(model_->shapes[i].shape.kind, i);
@@ -181,10 +179,6 @@ void ContactScene::detect(const TouchSink& sink) {
   }
 }
 
-bool ContactScene::meets_floor(int shape) const {
-  return robot_geom(shape) != nullptr && dGeomGetCategoryBits(robot_geom(shape)) == kArm;
-}
-
 DetectorCheck ContactScene::cross_check() {
   if (!cross_check_) cross_check_ = std::make_unique<CrossCheck>(*model_, world_);
   return cross_check_->compare(*this);
@@ -238,7 +232,7 @@ DetectorCheck CrossCheck::compare(ContactScene& scene) {
         compare_pair(shape, robot, objects_[static_cast<std::size_t>(k)], object, touched(PairKind::kObject, i, k),
                      check);
     }
-    if (scene.meets_floor(i) && !scene.rests(PairKind::kFloor, i, -1))
+    if (scene.meets_floor()[static_cast<std::size_t>(i)] && !scene.rests(PairKind::kFloor, i, -1))
       judge(touched(PairKind::kFloor, i, -1), lowest_point(shape.shape, ode::pose(robot)), check);
   }
   for (const SelfPair& pair : scene.self_pairs())

@@ -70,7 +70,6 @@ class ContactScene {
   /// @param base_meets_floor whether shapes rigid with the base are checked against the floor if they are clear of it
   /// with the base upright. In kinematic mode they cannot come nearer.
   ContactScene(std::shared_ptr<const RobotModel> model, const World& world, bool base_meets_floor);
-  ~ContactScene();
 
   /// Null if the distance library decides contacts of this shape.
   dGeomID robot_geom(int shape) const { return robot_geoms_[static_cast<std::size_t>(shape)]; }
@@ -90,7 +89,6 @@ class ContactScene {
   const std::vector<SelfPair>& self_pairs() const { return self_pairs_; }
   /// True for a carried object and its support.
   bool rests(PairKind kind, int first, int second) const;
-  bool meets_floor(int shape) const;
   /// True for each shape that may touch the floor, including shapes that ODE does not decide.
   const std::vector<bool>& meets_floor() const { return meets_floor_; }
   DetectorCheck cross_check();
