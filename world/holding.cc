@@ -80,9 +80,7 @@ void start_from(World& world, const Configuration& start, const std::shared_ptr<
   world.start = start;
   if (!carried) return;
   kinematics.update(start.base, start.q);
-  const Isometry X_WO = kinematics.X_WE() * carried->X_EO;
-  set_pose(world.objects[static_cast<std::size_t>(carried->object)], X_WO.translation(),
-           Eigen::Quaterniond(X_WO.linear()));
+  set_pose(world.objects[static_cast<std::size_t>(carried->object)], kinematics.X_WE() * carried->X_EO);
 }
 
 }  // namespace moma

@@ -107,6 +107,10 @@ struct World {
 /// matrix and back changes last bits, and a world read from its file must equal the written one.
 void set_pose(WorldObject& object, const Vector3& position, const Eigen::Quaterniond& rotation);
 void set_pose(WorldGoal& goal, const Vector3& position, const Eigen::Quaterniond& rotation);
+template <class T>
+void set_pose(T& placed, const Isometry& X_W) {
+  set_pose(placed, X_W.translation(), Eigen::Quaterniond(X_W.linear()));
+}
 
 std::vector<ObjectShape> object_shapes(const World& world);
 

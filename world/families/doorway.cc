@@ -12,13 +12,11 @@ namespace {
 struct Doorway {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.5, 4.0})};
-  Distribution width{Uniform{0.9, 1.4}};    ///< [m]
-  Distribution along{Uniform{0.35, 0.65}};  ///< [1]
-  Distribution offset{Uniform{-0.4, 0.4}};  ///< [m]
-  Distribution turn{Uniform{-0.3, 0.3}};    ///< [rad]
-  Distribution height{Uniform{1.9, 2.1}};   ///< [m]
-  double wall = 2.0;                        ///< [m]
-  double thickness = 0.1;                   ///< [m]
+  Distribution width{Uniform{0.9, 1.4}};  ///< [m]
+  WallAcross place;
+  Distribution height{Uniform{1.9, 2.1}};  ///< [m]
+  double wall = 2.0;                       ///< [m]
+  double thickness = 0.1;                  ///< [m]
   bool lintel = true;
 };
 
@@ -26,10 +24,7 @@ constexpr void describe(auto& v, Of<Doorway>) {
   using T = Doorway;
   v.inlined(&T::placement);
   v.member("width", &T::width, positive("m", "width of the door"));
-  v.member("along", &T::along,
-           in_range({0.0, 1.0}, "1", "position of the wall, as a share of the way from start to goal"));
-  v.member("offset", &T::offset, quantity("m", "distance of the door's middle from the way"));
-  v.member("turn", &T::turn, quantity("rad", "angle between the wall and a right angle to the way"));
+  v.inlined(&T::place);
   v.member("height", &T::height, positive("m", "height of the door and its wall"));
   v.member("wall", &T::wall, positive("m", "length of the wall on each side"));
   v.member("thickness", &T::thickness, positive("m", "thickness of the wall"));
@@ -41,13 +36,9 @@ bool build(const Doorway& p, SceneBuilder& builder, World& world) {
   if (!builder.place_robot(p.placement, world)) return false;
   Draws draws = builder.draws(Stream::kObjects);
   const double width = p.width.sample(draws);
-  WallAcross wall;
-  wall.along = p.along.sample(draws);
-  wall.offset = p.offset.sample(draws);
-  wall.turn = p.turn.sample(draws);
-  const double height = p.height.sample(draws);
-  const std::optional<FurnitureFrame> frame = frame_of_passage(builder, world, wall, "doorway");
+  const std::optional<FurnitureFrame> frame = frame_of_passage(builder, world, p.place, draws, "doorway");
   if (!frame) return false;
+  const double height = p.height.sample(draws);
 
   std::vector<WorldObject> boxes;
   add_left_and_right(boxes, *frame, "wall", {0.0, 0.5 * (width + p.wall), 0.5 * height}, {p.thickness, p.wall, height});

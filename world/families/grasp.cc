@@ -60,8 +60,6 @@ WorldObject support(const Hand& hand, const WorldObject& object, bool panel, dou
 }
 
 bool build(const Grasp& p, SceneBuilder& builder, World& world) {
-  constexpr double kBefore = 0.05;  // the object begins so far before the hand [m]
-  constexpr double kDeepest = 0.3;  // and passes its foremost point by this at most [m]
   // The object is the same at every try: one that is grasped at few poses is as frequent as its weight says.
   Draws kinds(world.seed, world.index, Stream::kObjects, 0, 1, world.moves.get());
   const double kind = kinds.uniform() * (p.can + p.handle + p.box);
@@ -93,13 +91,7 @@ bool build(const Grasp& p, SceneBuilder& builder, World& world) {
     object.shape = {ShapeKind::kBox, {length, 2.0 * radius, 2.0 * radius}, nullptr};
     rotation = rotation_along(up, hand.thin);
   }
-  const double far = hand.reach + clearance + bounding_radius(object.shape) + kBefore;
-  set_pose(object, hand.point + far * hand.into + along * hand.thin, rotation);
-  if (!builder.bring_near(object, -hand.into, far + kDeepest, clearance))
-    return builder.reject("grasp: the object meets the arm, or no hand (clearance)");
-  const double nearest = -extent_along(object.shape, object.X_WO, -hand.into) - hand.into.dot(hand.point);
-  if (nearest > hand.reach + clearance + 1e-3)
-    return builder.reject("grasp: the arm is nearer to the object than the hand");
+  if (!bring_to_hand(builder, hand, along * hand.thin, rotation, clearance, "grasp", object)) return false;
 
   WorldObject support_of_it = support(hand, object, is_handle, radius, stand_off);
   if (lowest_point(object.shape, object.X_WO) <= 1e-3 || lowest_point(support_of_it.shape, support_of_it.X_WO) < -1e-9)

@@ -189,7 +189,7 @@ bool build(const Home& p, SceneBuilder& builder, World& world) {
                               .out_of_tries = "home: no path for a person clear of start and goal"};
   const Way along{Vector3::Zero(), frame.into(), distance};
   return walkers.place(builder, world, [&](const ObjectTry& at, WorldObject& person) {
-    return p.walker.sample(builder, along, p.items_mix, p.horizon, at.item, {solids, passages}, person);
+    return p.walker.sample(builder, along, p.items_mix, p.horizon, at.item, person, {solids, passages});
   });
 }
 

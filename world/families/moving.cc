@@ -136,18 +136,18 @@ bool build(const Moving& p, SceneBuilder& builder, World& world) {
   Draws kinds = builder.draws(Stream::kMotion, 0);
   double kind = 0.0;
   bool around_goal = false, walks = false;
-  const auto begin = [&](int i, WorldObject& object) {
-    kind = kinds.uniform();
-    around_goal = kinds.uniform() < p.orbit_goal;
-    walks = kind >= 1.0 - p.walk;
-    if (walks) object.name = "walker" + std::to_string(i + 1);
-  };
   const ObjectPlacing placing{.count = count,
                               .tries = 200,
                               .name = "object",
                               .drawn_again = "a path not clear of start and goal",
                               .out_of_tries = "objects: no path clear of start and goal (worlds.clearance)"};
-  return placing.place(builder, world, begin, [&](const ObjectTry& at, WorldObject& object) {
+  return placing.place(builder, world, [&](const ObjectTry& at, WorldObject& object) {
+    if (at.number == 0) {
+      kind = kinds.uniform();
+      around_goal = kinds.uniform() < p.orbit_goal;
+      walks = kind >= 1.0 - p.walk;
+      if (walks) object.name = "walker" + std::to_string(world.objects.size() + 1);
+    }
     if (walks) return p.walker.sample(builder, way, p.mix, p.horizon, at.item, object);
     if (kind < p.orbit) return circle(p, builder, world, way, around_goal, at.item, object);
     return straight(p, builder, way, at.item, object);

@@ -15,12 +15,12 @@ struct Narrow {
   using Uniform = Distribution::Uniform;
   Placement placement{.distance = Distribution(Uniform{2.5, 4.0})};
   Distribution margin{Distribution::Fixed{0.15}};  ///< [m]
-  Distribution along{Uniform{0.4, 0.6}};           ///< [1]
-  Distribution offset{Uniform{-0.5, 0.5}};         ///< [m]
-  Distribution turn{Uniform{-0.4, 0.4}};           ///< [rad]
-  Distribution length{Uniform{0.3, 0.8}};          ///< [m]
-  double wall = 2.5;                               ///< [m]
-  double height = 2.0;                             ///< [m]
+  WallAcross place{.along = Distribution(Uniform{0.4, 0.6}),
+                   .offset = Distribution(Uniform{-0.5, 0.5}),
+                   .turn = Distribution(Uniform{-0.4, 0.4})};
+  Distribution length{Uniform{0.3, 0.8}};  ///< [m]
+  double wall = 2.5;                       ///< [m]
+  double height = 2.0;                     ///< [m]
 };
 
 constexpr void describe(auto& v, Of<Narrow>) {
@@ -28,10 +28,7 @@ constexpr void describe(auto& v, Of<Narrow>) {
   v.inlined(&T::placement);
   v.member("margin", &T::margin,
            quantity("m", "margin of the passage on either side of a base that drives straight through"));
-  v.member("along", &T::along,
-           in_range({0.0, 1.0}, "1", "position of the passage, as a share of the way from start to goal"));
-  v.member("offset", &T::offset, quantity("m", "distance of the passage's middle from the way"));
-  v.member("turn", &T::turn, quantity("rad", "angle between the walls and a right angle to the way"));
+  v.inlined(&T::place);
   v.member("length", &T::length, positive("m", "length of the passage, the thickness of its walls"));
   v.member("wall", &T::wall, positive("m", "length of the wall on each side"));
   v.member("height", &T::height, positive("m", "height of the walls"));
@@ -42,13 +39,9 @@ bool build(const Narrow& p, SceneBuilder& builder, World& world) {
   if (!builder.place_robot(p.placement, world)) return false;
   Draws draws = builder.draws(Stream::kObjects);
   const double margin = p.margin.sample(draws);
-  WallAcross wall;
-  wall.along = p.along.sample(draws);
-  wall.offset = p.offset.sample(draws);
-  wall.turn = p.turn.sample(draws);
-  const double length = p.length.sample(draws);
-  const std::optional<FurnitureFrame> frame = frame_of_passage(builder, world, wall, "narrow");
+  const std::optional<FurnitureFrame> frame = frame_of_passage(builder, world, p.place, draws, "narrow");
   if (!frame) return false;
+  const double length = p.length.sample(draws);
 
   const double width = 2.0 * (base_half_width(builder) + margin);
   if (!(width > 0.0)) return builder.reject("narrow: no room between the walls (margin)");

@@ -63,8 +63,7 @@ WorldObject block_under(const WorldObject& object, const std::string& name, doub
 }
 
 bool build(const PickPlace& p, SceneBuilder& builder, World& world) {
-  constexpr double kBefore = 0.05, kDeepest = 0.3;  // as in grasp [m]
-  constexpr double kLowest = 0.15;                  // of a block's top [m]
+  constexpr double kLowest = 0.15;  // of a block's top [m]
   const Vector3 up = Vector3::UnitZ();
   if (!builder.place_robot(p.placement, world)) return false;
   const Hand hand = hand_at_witness(builder, world, "pick-place");
@@ -80,14 +79,8 @@ bool build(const PickPlace& p, SceneBuilder& builder, World& world) {
   object.name = "object";
   object.shape = can ? Shape{ShapeKind::kCylinder, {radius, length, 0.0}, nullptr}
                      : Shape{ShapeKind::kBox, {2.0 * radius, 2.0 * radius, length}, nullptr};
-  const double far = hand.reach + clearance + bounding_radius(object.shape) + kBefore;
-  set_pose(object, hand.point + far * hand.into + along * up,
-           rotation_along(up, std::abs(hand.into.z()) < 0.7 ? hand.into : hand.thin));
-  if (!builder.bring_near(object, -hand.into, far + kDeepest, clearance))
-    return builder.reject("pick-place: the object meets the arm, or no hand (clearance)");
-  const double nearest = -extent_along(object.shape, object.X_WO, -hand.into) - hand.into.dot(hand.point);
-  if (nearest > hand.reach + clearance + 1e-3)
-    return builder.reject("pick-place: the arm is nearer to the object than the hand");
+  const Eigen::Quaterniond rotation = rotation_along(up, std::abs(hand.into.z()) < 0.7 ? hand.into : hand.thin);
+  if (!bring_to_hand(builder, hand, along * up, rotation, clearance, "pick-place", object)) return false;
   const double from_height = lowest_point(object.shape, object.X_WO);
   if (from_height < kLowest) return builder.reject("pick-place: the object is too low");
   if (!builder.stands_near(object, clearance)) return builder.reject("pick-place: the object not clear of the start");
@@ -126,14 +119,13 @@ bool build(const PickPlace& p, SceneBuilder& builder, World& world) {
     if (!builder.move_arm(p.placement, *beside[i].first, beside[i].second)) return false;
     if ((i == 0 && !robot_clear_of(object)) || (i == 3 && !robot_clear_of(left)))
       return builder.reject("pick-place: the arm beside the object is nearer than the hand at it");
-    const Isometry& X_WE = builder.further().X_WE();
-    set_pose(goals[i], X_WE.translation(), Eigen::Quaterniond(X_WE.linear()));
+    set_pose(goals[i], builder.further().X_WE());
     if (i == 0) world.witness = {builder.further().base(), builder.further().q()};
     if (i == 1 || i == 2) holding.push_back(builder.further());
   }
   WorldGoal take = world.goal, leave;
   take.take = leave.leave = object.name;
-  set_pose(leave, X_WL.translation(), Eigen::Quaterniond(X_WL.linear()));
+  set_pose(leave, X_WL);
   world.goal = goals[0];
   world.further = {take, goals[1], goals[2], leave, goals[3]};
 

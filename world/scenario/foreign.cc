@@ -241,7 +241,7 @@ class Importer {
     WorldObject object;
     object.name = held.object;
     object.shape = parts.front().shape;
-    set_pose(object, parts.front().X.translation(), Eigen::Quaterniond(parts.front().X.linear()));
+    set_pose(object, parts.front().X);
     world.objects.push_back(std::move(object));
     world.held = std::move(held);
   }

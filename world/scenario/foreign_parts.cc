@@ -50,8 +50,7 @@ void add(Scene& scene, const std::string& name, const Isometry& X_WO, const std:
     WorldObject object;
     object.name = parts.size() == 1 ? name : fmt::format("{}/{}", name, i + 1);
     object.shape = parts[i].shape;
-    const Isometry X = X_WO * parts[i].X;
-    set_pose(object, X.translation(), Eigen::Quaterniond(X.linear()));
+    set_pose(object, X_WO * parts[i].X);
     scene.objects.push_back(std::move(object));
   }
 }

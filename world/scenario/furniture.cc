@@ -27,15 +27,15 @@ void add_left_and_right(std::vector<WorldObject>& boxes, const FurnitureFrame& f
 }
 
 std::optional<FurnitureFrame> frame_of_passage(SceneBuilder& builder, const World& world, const WallAcross& wall,
-                                               const std::string& family) {
+                                               Draws& draws, const std::string& family) {
   const Vector3 start(world.start.base.x(), world.start.base.y(), 0.0);
   const Vector3 end(world.witness.base.x(), world.witness.base.y(), 0.0);
   const Vector3 way = end - start;
   FurnitureFrame frame;
   frame.yaw = std::atan2(way.y(), way.x());
-  frame.origin = start + wall.along * way;
-  frame.origin = frame.point(0.0, wall.offset, 0.0);
-  frame.yaw += wall.turn;
+  frame.origin = start + wall.along.sample(draws) * way;
+  frame.origin = frame.point(0.0, wall.offset.sample(draws), 0.0);
+  frame.yaw += wall.turn.sample(draws);
   if (frame.into().dot(world.goal.X_WG.translation() - frame.origin) < 0.0 ||
       frame.into().dot(end - frame.origin) < 0.0) {
     builder.reject(family + ": the goal is not behind it");

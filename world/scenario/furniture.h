@@ -30,15 +30,24 @@ void add_left_and_right(std::vector<WorldObject>& boxes, const FurnitureFrame& f
 
 /// Position of a wall with a passage across the way of the base from start to witness.
 struct WallAcross {
-  double along = 0.5;   ///< share of the way [1]
-  double offset = 0.0;  ///< of the passage's middle, to the left of the way [m]
-  double turn = 0.0;    ///< angle from a right angle to the way [rad]
+  using Uniform = Distribution::Uniform;
+  Distribution along{Uniform{0.35, 0.65}};  ///< [1]
+  Distribution offset{Uniform{-0.4, 0.4}};  ///< to the left of the way [m]
+  Distribution turn{Uniform{-0.3, 0.3}};    ///< [rad]
 };
 
-/// Returns the frame in the middle of the passage, with x through it. If base or tool of the witness is not behind the
+constexpr void describe(auto& v, Of<WallAcross>) {
+  using T = WallAcross;
+  v.member("along", &T::along,
+           in_range({0.0, 1.0}, "1", "position of the wall, as a share of the way from start to goal"));
+  v.member("offset", &T::offset, quantity("m", "distance of the passage's middle from the way"));
+  v.member("turn", &T::turn, quantity("rad", "angle between the wall and a right angle to the way"));
+}
+
+/// Draws the frame in the middle of the passage, with x through it. If base or tool of the witness is not behind the
 /// wall, there is nothing to pass: returns nothing and rejects the try for `family`.
 std::optional<FurnitureFrame> frame_of_passage(SceneBuilder& builder, const World& world, const WallAcross& wall,
-                                               const std::string& family);
+                                               Draws& draws, const std::string& family);
 
 /// A shelf of boards between two sides, its front in the plane x = 0 of its frame.
 struct ShelfForm {

@@ -8,6 +8,7 @@
 #include <vector>
 
 namespace moma {
+
 Hand hand_at_witness(SceneBuilder& builder, const World& world, const std::string& family) {
   Kinematics at(builder.model_pointer());
   at.update(world.witness.base, world.witness.q);
@@ -52,6 +53,20 @@ Hand hand_at_witness(SceneBuilder& builder, const World& world, const std::strin
     hand.below = below;
   }
   return hand;
+}
+
+bool bring_to_hand(SceneBuilder& builder, const Hand& hand, const Vector3& aside, const Eigen::Quaterniond& rotation,
+                   double clearance, const std::string& family, WorldObject& object) {
+  constexpr double kBefore = 0.05;  // the object begins so far before the hand [m]
+  constexpr double kDeepest = 0.3;  // and passes its foremost point by this at most [m]
+  const double far = hand.reach + clearance + bounding_radius(object.shape) + kBefore;
+  set_pose(object, hand.point + far * hand.into + aside, rotation);
+  if (!builder.bring_near(object, -hand.into, far + kDeepest, clearance))
+    return builder.reject(family + ": the object meets the arm, or no hand (clearance)");
+  const double nearest = -extent_along(object.shape, object.X_WO, -hand.into) - hand.into.dot(hand.point);
+  if (nearest > hand.reach + clearance + 1e-3)
+    return builder.reject(family + ": the arm is nearer to the object than the hand");
+  return true;
 }
 
 Eigen::Quaterniond rotation_along(const Vector3& z, const Vector3& x) {

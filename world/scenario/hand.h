@@ -21,6 +21,11 @@ struct Hand {
 /// and returns `thin` zero. Allocates.
 Hand hand_at_witness(SceneBuilder& builder, const World& world, const std::string& family);
 
+/// Puts the object before the hand, `aside` of its axis, and brings it towards the hand until it is `clearance` away.
+/// If it meets the arm, or no hand, rejects the try for `family`.
+bool bring_to_hand(SceneBuilder& builder, const Hand& hand, const Vector3& aside, const Eigen::Quaterniond& rotation,
+                   double clearance, const std::string& family, WorldObject& object);
+
 /// Returns a rotation whose z axis is `z` and whose x axis is as near as possible to `x`, which is not along z.
 Eigen::Quaterniond rotation_along(const Vector3& z, const Vector3& x);
 

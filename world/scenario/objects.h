@@ -73,7 +73,7 @@ struct Way {
 Way straight_way(const SceneBuilder& builder, const World& world);
 
 struct ObjectTry {
-  int number = 0;          ///< number of tries for this object before
+  int number = 0;          ///< number of tries for this object before; what it keeps over them is drawn at 0
   std::uint64_t item = 1;  ///< the object's item for SceneBuilder::draws(); 0 is for draws that all objects share
 };
 
@@ -87,12 +87,6 @@ struct ObjectPlacing {
   /// Adds the objects to the world one after another. `draw` draws one and returns whether it may stay; the next try
   /// starts with the object as `draw` left it. False if the try at the world is rejected.
   bool place(SceneBuilder& builder, World& world,
-             const std::function<bool(const ObjectTry& at, WorldObject& object)>& draw) const {
-    return place(
-        builder, world, [](int, WorldObject&) {}, draw);
-  }
-  /// `begin` sets the properties that object i, from 0, keeps over its tries.
-  bool place(SceneBuilder& builder, World& world, const std::function<void(int i, WorldObject& object)>& begin,
              const std::function<bool(const ObjectTry& at, WorldObject& object)>& draw) const;
 };
 

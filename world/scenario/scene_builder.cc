@@ -19,22 +19,6 @@ std::shared_ptr<const RobotModel> with_all_self_rows(const RobotModel& model) {
   return copy;
 }
 
-double nearest(std::span<const ProximityPair> pairs, double range) {
-  double least = range;
-  for (const ProximityPair& pair : pairs) least = std::min(least, pair.distance.d);
-  return least;
-}
-
-/// Returns the range of the witness's joint.
-JointRange kept_range(const Placement& placement, const ControlledJoint& joint) {
-  const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
-  const auto [low, high] = drawn_range(joint);
-  const double margin = bounded ? std::min(placement.limit_margin, 0.25 * (high - low)) : 0.0;
-  return {low + margin, high - margin};
-}
-
-constexpr ProximityRanges only_objects(double range) { return {range, -1.0, -1.0}; }
-
 }  // namespace
 
 SceneBuilder::SceneBuilder(std::shared_ptr<const RobotModel> model, std::uint64_t seed, std::uint64_t index,
@@ -124,18 +108,19 @@ bool SceneBuilder::place_goal(const Placement& placement, World& world) {
 }
 
 void SceneBuilder::draw_arm(const Placement& placement, Draws& from, VectorX& q) const {
-  for (int i = 0; i < model_->num_joints(); ++i) {
-    const JointRange range = kept_range(placement, model_->joint(i));
-    q[i] = from.uniform(range.lower, range.upper);
-  }
+  const auto [low, high] = arm_range(placement);
+  for (int i = 0; i < model_->num_joints(); ++i) q[i] = from.uniform(low[i], high[i]);
 }
 
 std::pair<VectorX, VectorX> SceneBuilder::arm_range(const Placement& placement) const {
   VectorX low(model_->num_joints()), high(model_->num_joints());
   for (int i = 0; i < model_->num_joints(); ++i) {
-    const JointRange range = kept_range(placement, model_->joint(i));
-    low[i] = range.lower;
-    high[i] = range.upper;
+    const ControlledJoint& joint = model_->joint(i);
+    const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+    const auto [lower, upper] = drawn_range(joint);
+    const double margin = bounded ? std::min(placement.limit_margin, 0.25 * (upper - lower)) : 0.0;
+    low[i] = lower + margin;
+    high[i] = upper - margin;
   }
   return {low, high};
 }
@@ -181,11 +166,10 @@ bool SceneBuilder::place_further(const Placement& placement, World& world, const
       const auto [low, high] = arm_range(placement);
       if (bring_upright(*upright, 0.0, low, high, at, witness.q) < 0) continue;
     }
-    const Isometry& X_WE = at.X_WE();
-    if (X_WE.translation().z() < placement.tip_height ||
+    if (at.X_WE().translation().z() < placement.tip_height ||
         !check_pose(at, placement.floor_clearance, placement.self_clearance, "further goal"))
       continue;
-    set_pose(world.further.emplace_back(), X_WE.translation(), Eigen::Quaterniond(X_WE.linear()));
+    set_pose(world.further.emplace_back(), at.X_WE());
     return true;
   }
   return reject("further goal: no place (tip_height, floor_clearance, self_clearance)");
@@ -240,8 +224,7 @@ void SceneBuilder::take_robot(World& world) {
 
 void SceneBuilder::set_goal(World& world) {
   witness_.update(world.witness.base, world.witness.q);
-  const Isometry& X_WE = witness_.X_WE();
-  set_pose(world.goal, X_WE.translation(), Eigen::Quaterniond(X_WE.linear()));
+  set_pose(world.goal, witness_.X_WE());
 }
 
 bool SceneBuilder::check_configuration(const Configuration& configuration, const Placement& placement) {
@@ -264,19 +247,28 @@ void SceneBuilder::choose_object(const WorldObject& object) {
   proximity_.set_objects({&shape, 1});
 }
 
+double SceneBuilder::distance(const Kinematics& at, const std::vector<ObjectState>& states, double range) {
+  double least = range;
+  for (const ProximityPair& pair : proximity_.query(at, states, {.object = range, .floor = -1.0, .self = -1.0}))
+    least = std::min(least, pair.distance.d);
+  return least;
+}
+
+double SceneBuilder::distance_to_witnesses(const std::vector<ObjectState>& states, double range) {
+  double least = distance(witness_, states, range);
+  for (const Kinematics& at : further_) least = std::min(least, distance(at, states, range));
+  return least;
+}
+
 double SceneBuilder::distance_at(const WorldObject& object, double t, double range) {
   one_[0].X_WO = evaluate(object.motion, object.X_WO, t).X;
-  const double at_start = nearest(proximity_.query(start_, one_, only_objects(range)), range);
-  double least = nearest(proximity_.query(witness_, one_, only_objects(range)), at_start);
-  for (const Kinematics& at : further_) least = nearest(proximity_.query(at, one_, only_objects(range)), least);
-  return least;
+  return std::min(distance(start_, one_, range), distance_to_witnesses(one_, range));
 }
 
 bool SceneBuilder::leaves_start_room(const WorldObject& object) {
   if (room_.start <= 0.0) return true;
   one_[0].X_WO = evaluate(object.motion, object.X_WO, 0.0).X;
-  const double range = room_.start + 1e-3;
-  return nearest(proximity_.query(start_, one_, only_objects(range)), range) > room_.start;
+  return distance(start_, one_, room_.start + 1e-3) > room_.start;
 }
 
 bool SceneBuilder::stands_clear(const WorldObject& object, double clearance) {
@@ -305,8 +297,7 @@ bool SceneBuilder::bring_near(WorldObject& object, const Vector3& direction_W, d
   for (double way = 0.0; way <= furthest;) {
     const Vector3 p = object.X_WO.translation() + way * direction_W;
     one_[0].X_WO.translation() = p;
-    const double gap =
-        nearest(proximity_.query(witness_, one_, only_objects(furthest + clearance)), furthest + clearance);
+    const double gap = distance(witness_, one_, furthest + clearance);
     if (gap < clearance) return false;
     if (gap <= clearance + kWithin) {
       set_pose(object, p, object.file_rotation);
@@ -323,11 +314,7 @@ bool SceneBuilder::stands_near(const WorldObject& object, double at_witness) {
   if (!leaves_start_room(object)) return false;
   one_[0].X_WO = object.X_WO;
   const double range = std::max(room_.clearance, at_witness) + 1e-3;
-  return nearest(proximity_.query(start_, one_, only_objects(range)), range) > room_.clearance &&
-         nearest(proximity_.query(witness_, one_, only_objects(range)), range) >= at_witness &&
-         std::ranges::all_of(further_, [&](const Kinematics& at) {
-           return nearest(proximity_.query(at, one_, only_objects(range)), range) >= at_witness;
-         });
+  return distance(start_, one_, range) > room_.clearance && distance_to_witnesses(one_, range) >= at_witness;
 }
 
 std::vector<Vector3> SceneBuilder::footprints() const {
@@ -361,9 +348,7 @@ void SceneBuilder::measure(World& world) {
   std::vector<ObjectState> states(world.objects.size());
   object_states(world, 0.0, states);
   proximity_.set_objects(object_shapes(world));
-  out.witness_clearance_m = nearest(proximity_.query(witness_, states, only_objects(1e3)), 1e3);
-  for (const Kinematics& at : further_)
-    out.witness_clearance_m = nearest(proximity_.query(at, states, only_objects(1e3)), out.witness_clearance_m);
+  out.witness_clearance_m = distance_to_witnesses(states, 1e3);
 
   int blocked = 0;
   for (int k = 0; k <= kPoints; ++k) {

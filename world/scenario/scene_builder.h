@@ -149,9 +149,13 @@ class SceneBuilder {
   bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who,
                   bool at_ready = false);
   void choose_object(const WorldObject& object);
+  /// Least distance of the chosen objects in these states, at most `range`.
+  double distance(const Kinematics& at, const std::vector<ObjectState>& states, double range);
+  /// The same to the witnesses of all goals.
+  double distance_to_witnesses(const std::vector<ObjectState>& states, double range);
   /// True if the chosen object is outside Room::start at t = 0.
   bool leaves_start_room(const WorldObject& object);
-  /// Least distance of the chosen object to start and witness at time t of its motion, at most `range`.
+  /// Least distance of the chosen object to start and witnesses at time t of its motion, at most `range`.
   double distance_at(const WorldObject& object, double t, double range);
 
   std::shared_ptr<const RobotModel> model_;

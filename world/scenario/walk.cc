@@ -84,7 +84,7 @@ double clear_leg(SceneBuilder& builder, const std::vector<Vector3>& circles, dou
 }  // namespace
 
 bool Walk::sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
-                  const Inside& inside, WorldObject& object) const {
+                  WorldObject& object, const Inside& inside) const {
   Draws draws = builder.draws(Stream::kMotion, item);
   const double pace = sample_within(kPace, speed, draws);
   const double r = sample_within(kSize, radius, draws);

@@ -34,21 +34,18 @@ struct Walk {
   Yields yields = {};
   Walker walker = Walker::kPerson;
 
-  /// Draws one walker with its path (a PathMotion, knots from t = 0 to `horizon` or slightly beyond), clear of start
-  /// and witness at all times: SceneBuilder::clear_for() checks each leg. False if no first leg is found; later legs
-  /// can always lead back. `item` numbers the draws.
-  bool sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
-              WorldObject& object) const {
-    return sample(builder, way, mix, horizon, item, {}, object);
-  }
-  /// The same inside walls: a leg keeps off the `solids`, boxes at rest, and every other waypoint is one of the
-  /// `doors`, through which people come round corners.
+  /// Walls about the way: a leg keeps off the `solids`, boxes at rest, and every other waypoint is one of the `doors`,
+  /// through which people come round corners.
   struct Inside {
     std::span<const WorldObject> solids;
     std::span<const Vector3> doors;
   };
+
+  /// Draws one walker with its path (a PathMotion, knots from t = 0 to `horizon` or slightly beyond), clear of start
+  /// and witness at all times: SceneBuilder::clear_for() checks each leg. False if no first leg is found; later legs
+  /// can always lead back. `item` numbers the draws.
   bool sample(SceneBuilder& builder, const Way& way, const ObjectMix& mix, double horizon, std::uint64_t item,
-              const Inside& inside, WorldObject& object) const;
+              WorldObject& object, const Inside& inside = {}) const;
 };
 
 constexpr void describe(auto& v, Of<Walk>) {
