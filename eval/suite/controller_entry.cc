@@ -108,14 +108,13 @@ fs::path folder_of(const Node& node) { return whole_path(config::directory_of(no
 
 std::vector<std::string> read_words(const Node& node, const std::string& key) {
   if (node.kind == Node::Kind::kScalar) return {config::read_string(node, key)};
-  if (node.kind != Node::Kind::kSequence || node.items.empty()) {
-    config::fail(
-        node.mark, key,
-        fmt::format("found {}, expected a list of words, for instance [./mine, --fast]", config::found_text(node)));
-  }
+  constexpr std::string_view kWords = "a list of words, for instance [./mine, --fast]";
   std::vector<std::string> words;
-  for (const Node& item : node.items)
-    words.push_back(config::read_string(item, fmt::format("{}[{}]", key, words.size())));
+  config::for_items(node, key, kWords, [&words](const Node& item, const std::string& at) {
+    words.push_back(config::read_string(item, at));
+  });
+  if (words.empty())
+    config::fail(node.mark, key, fmt::format("found {}, expected {}", config::found_text(node), kWords));
   return words;
 }
 

@@ -158,16 +158,14 @@ std::vector<Assignment> grid_points(const std::vector<Axis>& axes, const Node& n
 }
 
 std::vector<Assignment> listed_points(const Node& list, const std::string& key) {
-  if (list.kind != Node::Kind::kSequence || list.items.empty()) {
-    config::fail(list.mark, key, "expected a list of points, each a map {KEY: VALUE, ...}");
-  }
+  constexpr const char* kPoints = "a list of points, each a map {KEY: VALUE, ...}";
   std::vector<Assignment> points;
-  for (std::size_t i = 0; i < list.items.size(); ++i) {
-    const Node& item = list.items[i];
+  config::for_items(list, key, kPoints, [&](const Node& item, const std::string& at) {
     if (item.kind != Node::Kind::kMap || item.entries.empty())
-      config::fail(item.mark, fmt::format("{}[{}]", key, i), "expected a map {KEY: VALUE, ...}");
+      config::fail(item.mark, at, "expected a map {KEY: VALUE, ...}");
     points.emplace_back(item.entries.begin(), item.entries.end());
-  }
+  });
+  if (points.empty()) config::fail(list.mark, key, std::string("expected ") + kPoints);
   return points;
 }
 

@@ -10,15 +10,9 @@
 namespace moma {
 
 Apportionment::Apportionment(std::vector<double> weights) : weights_(std::move(weights)), counts_(weights_.size(), 0) {
-  int positive = 0;
-  for (std::size_t i = 0; i < weights_.size(); ++i) {
-    sum_ += weights_[i];
-    if (weights_[i] > 0.0) {
-      ++positive;
-      only_ = static_cast<int>(i);
-    }
-  }
-  if (positive != 1) only_ = -1;
+  // The only family with a weight has every index, whatever the weight.
+  if (std::ranges::count_if(weights_, [](double w) { return w > 0.0; }) == 1) *std::ranges::max_element(weights_) = 1.0;
+  for (const double weight : weights_) sum_ += weight;
   // If all weights are whole, the pattern repeats after their sum: every family then has its weight of the indices, and
   // all comparisons of next() are exactly those of the beginning.
   const bool whole = std::ranges::all_of(weights_, [](double w) { return w == std::floor(w); });
@@ -26,7 +20,6 @@ Apportionment::Apportionment(std::vector<double> weights) : weights_(std::move(w
 }
 
 int Apportionment::family_of(std::uint64_t index) const {
-  if (only_ >= 0) return only_;
   if (period_ > 0) index %= period_;
   if (index >= kMost)
     throw GenerationError(

@@ -27,7 +27,6 @@ class Apportionment {
   std::vector<double> weights_;
   double sum_ = 0.0;
   std::uint64_t period_ = 0;  ///< period of the pattern; 0: unknown
-  int only_ = -1;             ///< the only family with a weight, or -1
   mutable std::mutex mutex_;
   mutable std::vector<std::uint64_t> counts_;
   mutable std::vector<std::uint8_t> given_;

@@ -52,14 +52,13 @@ Scenes::Scene read_scene(const std::string& name, const Node& node, const std::s
   if (boxes.kind != Node::Kind::kMap)
     config::fail(boxes.mark, in.key_of("boxes"), "expected a map {NAME: {size, center}}");
   for (const auto& [box, at] : boxes.entries) scene.boxes.push_back(read_box(box, at, in.key_of("boxes") + "." + box));
-  const Node& list = in.require("configurations", "a list of two or more lists of joint values");
-  const std::string at = in.key_of("configurations");
-  if (list.kind != Node::Kind::kSequence || list.items.size() < 2)
-    config::fail(list.mark, at, "expected a list of two or more lists of joint values");
-  for (std::size_t i = 0; i < list.items.size(); ++i) {
-    const std::vector<double> q = config::read_numbers(list.items[i], fmt::format("{}[{}]", at, i), joints);
+  constexpr const char* kList = "a list of two or more lists of joint values";
+  const Node& list = in.require("configurations", kList);
+  config::for_items(list, in.key_of("configurations"), kList, [&](const Node& item, const std::string& at) {
+    const std::vector<double> q = config::read_numbers(item, at, joints);
     scene.configurations.emplace_back(Eigen::Map<const VectorX>(q.data(), joints));
-  }
+  });
+  in.check(scene.configurations.size() >= 2, "configurations", std::string("expected ") + kList);
   in.finish();
   return scene;
 }
