@@ -70,13 +70,9 @@ double GapWatch::gap(const Pair& pair, const SolidPoses& poses, const std::vecto
 }
 
 void GapWatch::note(const SolidPoses& poses, const std::vector<ObjectState>& objects) {
-  last_.X_WB = poses.X_WB;
-  last_.X_WS.resize(shapes_.size());
+  last_ = poses;
   const Isometry X_BW = poses.X_WB.inverse();
-  for (std::size_t i = 0; i < shapes_.size(); ++i) {
-    last_.X_WS[i] = poses.X_WS[i];
-    last_X_BS_[i] = X_BW * poses.X_WS[i];
-  }
+  for (std::size_t i = 0; i < shapes_.size(); ++i) last_X_BS_[i] = X_BW * poses.X_WS[i];
   for (std::size_t k = 0; k < objects_.size(); ++k) last_X_WO_[k] = objects[k].X_WO;
 }
 

@@ -69,20 +69,12 @@ class World {
   bool abandoned_ = false;
 };
 
-inline void to_matrix(const Matrix3& R, dMatrix3 out) {
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) out[4 * i + j] = R(i, j);
-    out[4 * i + 3] = 0.0;
-  }
-}
+/// A rotation as ODE has it, with a column of zeros.
+using Rows = Eigen::Matrix<dReal, 3, 4, Eigen::RowMajor>;
 
-inline Matrix3 from_matrix(const dReal* R) {
-  Matrix3 out;
-  out << R[0], R[1], R[2], R[4], R[5], R[6], R[8], R[9], R[10];
-  return out;
-}
-
-inline Vector3 from_vector(const dReal* v) { return {v[0], v[1], v[2]}; }
+inline void to_matrix(const Matrix3& R, dMatrix3 out) { Eigen::Map<Rows>(out) << R, Vector3::Zero(); }
+inline Matrix3 from_matrix(const dReal* R) { return Eigen::Map<const Rows>(R).leftCols<3>(); }
+inline Vector3 from_vector(const dReal* v) { return Eigen::Map<const Vector3>(v); }
 
 inline void set_pose(dGeomID geom, const Isometry& X) {
   dMatrix3 R;

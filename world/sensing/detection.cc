@@ -17,15 +17,12 @@ constexpr double kShort = 0.01;  // length left free at its end, where the objec
 
 // A thin capsule from one point to another.
 std::pair<Shape, Isometry> ray(const Vector3& from, const Vector3& to) {
-  Shape shape;
-  shape.kind = ShapeKind::kCapsule;
   const Vector3 way = to - from;
   const double length = way.norm();
-  shape.size = Vector3(kRay, length, 0.0);
   Isometry X = Isometry::Identity();
   X.translation() = 0.5 * (from + to);
   if (length > 0.0) X.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), way).toRotationMatrix();
-  return {shape, X};
+  return {Shape{ShapeKind::kCapsule, Vector3(kRay, length, 0.0), nullptr}, X};
 }
 
 bool contains(const Shape& shape, const Isometry& X_W, const Vector3& p_W) {

@@ -3,14 +3,6 @@
 #include <cmath>
 
 namespace moma {
-namespace {
-
-Vector2 turned(double angle, const Vector2& v) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
-}
-
-}  // namespace
 
 Odometry::Odometry(const OdometryErrors& errors, const DisturbanceStreams& streams)
     : errors_(errors), streams_(streams), on_(!is_off(errors)) {
@@ -28,7 +20,7 @@ Vector3 Odometry::update(long k, const Vector3& pose) {
   }
   const double turn = pose.z() - last_.z();
   // The chord in the frame turned by half the angle: for an arc it points straight ahead.
-  Vector2 chord = turned(-(last_.z() + 0.5 * turn), pose.head<2>() - last_.head<2>());
+  Vector2 chord = Eigen::Rotation2Dd(-(last_.z() + 0.5 * turn)) * Vector2(pose.head<2>() - last_.head<2>());
   const double way = chord.norm();
   double measured_turn = (1.0 + turn_) * turn + heading_ * way;
   chord *= 1.0 + distance_;
@@ -49,7 +41,7 @@ Vector3 Odometry::update(long k, const Vector3& pose) {
       measured_turn += draws.normal(0.0, errors_.slip.turn);
     }
   }
-  reckoned_.head<2>() += turned(reckoned_.z() + 0.5 * measured_turn, chord);
+  reckoned_.head<2>() += Eigen::Rotation2Dd(reckoned_.z() + 0.5 * measured_turn) * chord;
   reckoned_.z() += measured_turn;
   last_ = pose;
   return reckoned_;
