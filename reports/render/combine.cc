@@ -12,15 +12,17 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
+void add_once(Texts& names, const std::string& name) {
+  if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+}
+
 /// Common name of all stores' suites; empty if their own names stay.
 std::string common_suite(const std::vector<Json>& pages) {
   Texts names;
   for (const Json& page : pages) {
     const Texts own = suites_of(page);
     if (own.size() > 1) return "";
-    for (const std::string& name : own) {
-      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-    }
+    for (const std::string& name : own) add_once(names, name);
   }
   return fmt::format("{}", fmt::join(names, " + "));
 }
@@ -110,10 +112,7 @@ Json joined_trials(const std::vector<Json>& pages, const std::vector<Names>& nam
 
 Texts suites_of(const Json& page) {
   Texts names;
-  for (const Json& point : page.at("points")) {
-    const std::string name = point.at("suite");
-    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-  }
+  for (const Json& point : page.at("points")) add_once(names, point.at("suite"));
   return names;
 }
 

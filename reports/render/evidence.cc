@@ -1,12 +1,9 @@
 #include "reports/render/evidence.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <new>
 #include <numbers>
-#include <span>
-#include <stdexcept>
 
 #include "reports/render/assets.h"
 #include "reports/render/store.h"
@@ -16,37 +13,20 @@ namespace {
 
 using Found = std::map<std::string, double>;  // by trial
 
-/// A trial's samples by column.
-class Unpacked {
- public:
-  explicit Unpacked(SQLite::Statement& row) : samples_(samples_of(row)), values_(unpack(samples_)) {}
-
-  std::span<const double> column(const std::string& name) const {
-    const auto place = std::ranges::find(samples_.columns, name);
-    if (place == samples_.columns.end()) throw std::runtime_error("samples: there is no column " + name);
-    const auto n = static_cast<std::size_t>(samples_.n);
-    return std::span(values_).subspan(n * static_cast<std::size_t>(place - samples_.columns.begin()), n);
-  }
-
- private:
-  StoredSamples samples_;
-  std::vector<double> values_;
-};
-
 /// Empty if the goal moves or lies at the base.
 std::optional<double> goal_bearing(SQLite::Statement& row) {
   const Json goal = parse_stored(row.getColumn("json_world").getString()).at("goal");
   if (goal.contains("motion") && goal.at("motion").value("kind", "") != "static") return {};
-  const Unpacked samples(row);
-  if (samples.column("t").empty()) return {};
-  const double x = goal.at("position").at(0).get<double>() - samples.column("base_x").back();
-  const double y = goal.at("position").at(1).get<double>() - samples.column("base_y").back();
+  const Samples samples(samples_of(row));
+  if (samples.at("t").empty()) return {};
+  const double x = goal.at("position").at(0).get<double>() - samples.at("base_x").back();
+  const double y = goal.at("position").at(1).get<double>() - samples.at("base_y").back();
   if (!(std::hypot(x, y) > 1e-6)) return {};
-  return std::remainder(std::atan2(y, x) - samples.column("base_phi").back(), 2.0 * std::numbers::pi);
+  return std::remainder(std::atan2(y, x) - samples.at("base_phi").back(), 2.0 * std::numbers::pi);
 }
 
 HitObject question(SQLite::Statement& row) {
-  const Unpacked samples(row);
+  const Samples samples(samples_of(row));
   HitObject ask{row.getColumn("json_world").getString(),
                 row.getColumn("disturbances").getString(),
                 row.getColumn("object").getString(),
@@ -54,9 +34,9 @@ HitObject question(SQLite::Statement& row) {
                 row.getColumn("collision_time_s").getDouble(),
                 {},
                 {}};
-  const auto t = samples.column("t");
+  const auto t = samples.at("t");
   ask.t.assign(t.begin(), t.end());
-  const auto x = samples.column("base_x"), y = samples.column("base_y"), phi = samples.column("base_phi");
+  const auto x = samples.at("base_x"), y = samples.at("base_y"), phi = samples.at("base_phi");
   for (std::size_t i = 0; i < t.size(); ++i) ask.base.insert(ask.base.end(), {x[i], y[i], phi[i]});
   return ask;
 }

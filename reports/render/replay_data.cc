@@ -20,11 +20,11 @@ static_assert(std::endian::native == std::endian::little, "samples are little-en
 
 constexpr std::uint64_t kLargestTable = std::uint64_t{512} << 20;  // bytes
 
-std::vector<std::size_t> kept_rows(const double* t, std::size_t n, double hz) {
+std::vector<std::size_t> kept_rows(std::span<const double> t, double hz) {
   std::vector<std::size_t> rows;
   double next = -1e300;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (t[i] < next && i + 1 < n) continue;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (t[i] < next && i + 1 < t.size()) continue;
     rows.push_back(i);
     // Half a microsecond of slack: times are sums of control periods.
     next = (std::floor(t[i] * hz + 1e-6) + 1.0) / hz - 5e-7;
@@ -47,7 +47,7 @@ bool of_a_plan(std::string_view name) {
   return name.starts_with("plan_") || name == "detour" || name == "detour_x" || name == "detour_y";
 }
 
-Json packed_rows(const DistanceRows& all, const double* t, const std::vector<std::size_t>& kept) {
+Json packed_rows(const DistanceRows& all, std::span<const double> t, const std::vector<std::size_t>& kept) {
   constexpr double kMillimetre = 1e-3;
   constexpr int kActive = 8;
   std::vector<const DistanceRows::Row*> rows;
@@ -97,8 +97,6 @@ Json packed_map(const MapMotion& map) {
           {"looks", {{"n", map.looks.size()}, {"data", packed(planes(looks))}}}};
 }
 
-}  // namespace
-
 std::vector<double> unpack(const StoredSamples& samples) {
   if (samples.layout != 1) throw std::runtime_error("samples: unknown layout");
   if (samples.n < 0 || samples.columns.empty()) throw std::runtime_error("samples: empty");
@@ -115,21 +113,25 @@ std::vector<double> unpack(const StoredSamples& samples) {
   return values;
 }
 
-Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* near, const MapMotion* map) {
-  const std::vector<double> values = unpack(samples);
-  const std::size_t n = static_cast<std::size_t>(samples.n);
-  const auto column = [&](std::string_view name) -> const double* {
-    const auto place = std::ranges::find(samples.columns, name);
-    if (place == samples.columns.end()) return nullptr;
-    return values.data() + n * static_cast<std::size_t>(place - samples.columns.begin());
-  };
-  const auto required = [&](std::string_view name) {
-    const double* found = column(name);
-    if (found == nullptr) throw std::runtime_error("samples: there is no column " + std::string(name));
-    return found;
-  };
+}  // namespace
 
-  const std::vector<std::size_t> rows = kept_rows(required("t"), n, hz);
+Samples::Samples(const StoredSamples& stored)
+    : n_(static_cast<std::size_t>(stored.n)), columns_(stored.columns), values_(unpack(stored)) {}
+
+std::optional<std::span<const double>> Samples::find(std::string_view column) const {
+  const auto place = std::ranges::find(columns_, column);
+  if (place == columns_.end()) return {};
+  return std::span(values_).subspan(n_ * static_cast<std::size_t>(place - columns_.begin()), n_);
+}
+
+std::span<const double> Samples::at(std::string_view column) const {
+  if (const auto found = find(column)) return *found;
+  throw std::runtime_error("samples: there is no column " + std::string(column));
+}
+
+Json replay_data(const StoredSamples& stored, double hz, const DistanceRows* near, const MapMotion* map) {
+  const Samples samples(stored);
+  const std::vector<std::size_t> rows = kept_rows(samples.at("t"), hz);
   std::vector<std::string> names;
   std::vector<float> kept;
   const auto keep = [&](const std::string& name, const auto& value) {
@@ -138,42 +140,42 @@ Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* ne
   };
   const auto keep_column = [&](
                                const std::string& name, double (*as)(double) = [](double value) { return value; }) {
-    const double* from = required(name);
+    const std::span<const double> from = samples.at(name);
     keep(name, [&](std::size_t row) { return as(from[row]); });
   };
   const auto keep_norm = [&](const std::string& name, const std::string& stem, int first, int count) {
-    std::vector<const double*> parts;
-    for (int i = first; i < first + count; ++i) parts.push_back(required(fmt::format("{}{}", stem, i)));
+    std::vector<std::span<const double>> parts;
+    for (int i = first; i < first + count; ++i) parts.push_back(samples.at(fmt::format("{}{}", stem, i)));
     keep(name, [&](std::size_t row) {
       double sum = 0.0;
-      for (const double* part : parts) sum += part[row] * part[row];
+      for (const std::span<const double> part : parts) sum += part[row] * part[row];
       return std::sqrt(sum);
     });
   };
 
   for (const char* name : {"t", "base_x", "base_y", "base_phi"}) keep_column(name);
-  for (int i = 0; column(fmt::format("q{}", i)) != nullptr; ++i) keep_column(fmt::format("q{}", i));
-  for (int i = 0; column(fmt::format("command{}", i)) != nullptr; ++i) keep_column(fmt::format("command{}", i));
+  for (const char* stem : {"q", "command"})
+    for (int i = 0; samples.find(fmt::format("{}{}", stem, i)); ++i) keep_column(fmt::format("{}{}", stem, i));
   keep_norm("error_rotation", "error", 0, 3);
   keep_norm("error_position", "error", 3, 3);
   keep_norm("slack", "slack", 0, 6);
   for (const char* name : {"manipulability", "least_distance", "status", "fallback", "active_rows"}) keep_column(name);
   // The rest, for a look at one of them.
-  for (const std::string& name : samples.columns)
+  for (const std::string& name : stored.columns)
     if (std::ranges::find(names, name) == names.end() && !of_a_plan(name)) keep_column(name, &coarse);
   // A detour's target, and of a controller that looks ahead its activity and reason, its path and its choice.
   const auto ever = [&](std::string_view name) {
-    const double* from = column(name);
-    return from != nullptr && std::any_of(from, from + n, [](double value) { return value != 0.0; });
+    const auto found = samples.find(name);
+    return found && std::ranges::any_of(*found, [](double value) { return value != 0.0; });
   };
   const bool plans = ever("plan_mode") || ever("plan_reason") || ever("plan_attempts");
   if (plans || ever("detour")) {
-    for (const std::string& name : samples.columns)
+    for (const std::string& name : stored.columns)
       if (of_a_plan(name) && (plans || !name.starts_with("plan_"))) keep_column(name);
   }
 
   Json out = {{"hz", hz}, {"n", rows.size()}, {"columns", names}, {"data", packed(planes(kept))}};
-  if (near != nullptr) out["rows"] = packed_rows(*near, required("t"), rows);
+  if (near != nullptr) out["rows"] = packed_rows(*near, samples.at("t"), rows);
   if (map != nullptr && map->cell > 0.0) out["map"] = packed_map(*map);
   return out;
 }

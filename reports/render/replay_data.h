@@ -1,6 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -63,8 +66,21 @@ struct OwnedSamples {
   StoredSamples view() const { return {layout, n, columns, {reinterpret_cast<const char*>(data.data()), data.size()}}; }
 };
 
-/// All values, column by column, n each. Throws std::runtime_error on data that does not fit its layout.
-std::vector<double> unpack(const StoredSamples& samples);
+/// A trial's samples by column. Throws std::runtime_error on data that does not fit its layout.
+class Samples {
+ public:
+  explicit Samples(const StoredSamples& stored);
+
+  /// The values of a column; empty if there is none.
+  std::optional<std::span<const double>> find(std::string_view column) const;
+  /// The same; throws if there is none.
+  std::span<const double> at(std::string_view column) const;
+
+ private:
+  std::size_t n_;
+  std::vector<std::string> columns_;
+  std::vector<double> values_;  // column by column
+};
 
 /// `{"hz", "n", "columns", "data"}`: the motion at about `hz` samples a second (first and last always kept), as
 /// float32 columns one after the other, their bytes regrouped by significance, deflated (zlib), in base64.
@@ -76,7 +92,7 @@ std::vector<double> unpack(const StoredSamples& samples);
 /// six coordinates [mm], each of 16 bits, packed() as planes. With a `map` also "map": {"cell", "hz", "data", "looks"}:
 /// of all boxes, column by column, from, to, 1 if seen, the low corner, the edges [cells], packed() likewise; "looks":
 /// {"n", "data"}, with the columns sensor, t, pan, tilt as float32.
-Json replay_data(const StoredSamples& samples, double hz, const DistanceRows* rows = nullptr,
+Json replay_data(const StoredSamples& stored, double hz, const DistanceRows* rows = nullptr,
                  const MapMotion* map = nullptr);
 
 }  // namespace moma::reports

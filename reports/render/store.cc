@@ -88,16 +88,14 @@ StoredSamples samples_of(SQLite::Statement& row) {
 
 SQLite::Database open_store(const std::filesystem::path& db, std::chrono::milliseconds patience) {
   const std::string name = db.string();
+  const auto refusal = [&name](std::string_view what) {
+    return ReportError(fmt::format("{}: {}; wanted: a store written by moma run", name, what));
+  };
   std::error_code ignored;
-  if (!std::filesystem::exists(db, ignored)) {
-    throw ReportError(fmt::format("{}: there is no such file; wanted: a store written by moma run", name));
-  }
-  if (std::filesystem::is_directory(db, ignored)) {
-    throw ReportError(fmt::format("{}: this is a folder; wanted: a store written by moma run", name));
-  }
-  if (!std::filesystem::is_regular_file(db, ignored)) {  // a FIFO would be waited for
-    throw ReportError(fmt::format("{}: this is no regular file; wanted: a store written by moma run", name));
-  }
+  if (!std::filesystem::exists(db, ignored)) throw refusal("there is no such file");
+  if (std::filesystem::is_directory(db, ignored)) throw refusal("this is a folder");
+  // A FIFO would be waited for.
+  if (!std::filesystem::is_regular_file(db, ignored)) throw refusal("this is no regular file");
   try {
     SQLite::Database store = [&] {
       try {
@@ -110,12 +108,8 @@ SQLite::Database open_store(const std::filesystem::path& db, std::chrono::millis
         return open_immutable(db);
       }
     }();
-    if (store.execAndGet("PRAGMA application_id").getInt() != kApplicationId) {
-      throw ReportError(
-          fmt::format("{}: this SQLite file belongs to another program; wanted: a store written by "
-                      "moma run",
-                      name));
-    }
+    if (store.execAndGet("PRAGMA application_id").getInt() != kApplicationId)
+      throw refusal("this SQLite file belongs to another program");
     const int version = store.execAndGet("PRAGMA user_version").getInt();
     if (version > kNewestSchema) {
       throw ReportError(
@@ -137,9 +131,7 @@ SQLite::Database open_store(const std::filesystem::path& db, std::chrono::millis
     bound(store.getHandle(), patience);
     return store;
   } catch (const SQLite::Exception& error) {
-    if (error.getErrorCode() == SQLITE_NOTADB) {
-      throw ReportError(fmt::format("{}: this is not an SQLite file; wanted: a store written by moma run", name));
-    }
+    if (error.getErrorCode() == SQLITE_NOTADB) throw refusal("this is not an SQLite file");
     throw ReportError(fmt::format("{}: cannot be read: {}", name, error.what()));
   }
 }
