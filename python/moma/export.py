@@ -8,7 +8,7 @@ import pathlib
 import sys
 from typing import Sequence
 
-from .program import ProgramError, run
+from .program import ProgramError
 from .replace import check_replace
 from .store import Store
 
@@ -28,9 +28,7 @@ def write_parquet(store: Store, statement: str, path: pathlib.Path, force: bool 
         import pyarrow.parquet
     except ImportError as error:
         raise ImportError('Parquet needs pyarrow: pip install "moma[parquet]"') from error
-    query = ["query", str(store.path), statement, "--format"]
-    rows = json.loads(run([*query, "json"]))
-    names = list(rows[0]) if rows else run([*query, "csv"]).splitlines()[0].split(",")
+    names, rows = store.rows(statement)
     columns = {}
     for name in names:
         values = [row[name] for row in rows]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import io
+import csv
 import json
 import os
 import pathlib
@@ -43,11 +43,14 @@ class Store:
         """The answer to one SQL statement, or to a named query (@summary, @list, @failures, @pairs, @worst)."""
         import pandas
 
+        columns, rows = self.rows(statement)
+        return pandas.DataFrame(rows, columns=columns)
+
+    def rows(self, statement: str) -> tuple[list[str], list[dict[str, Any]]]:
+        """The same as its columns' names and its rows."""
         query = ["query", str(self.path), statement, "--format"]
-        rows: list[dict[str, Any]] = json.loads(run([*query, "json"]))
-        if rows:
-            return pandas.DataFrame(rows)
-        return pandas.read_csv(io.StringIO(run([*query, "csv"])))  # nothing but the names of its columns
+        rows = json.loads(run([*query, "json"]))
+        return list(rows[0]) if rows else next(csv.reader([run([*query, "csv"])])), rows
 
     def trials(self, where: str = "1") -> pandas.DataFrame:
         """One row per trial, metrics and what they belong to; `where` is SQL over the columns of v_trials."""
