@@ -26,6 +26,8 @@ constexpr std::array<double, 4> kRoom{1.0, 1.0, 0.0, 0.0};
 constexpr double kWithinRows = 0.002;
 // Distance between goal configurations that differ, by MotionLimits::distance_squared() [m].
 constexpr double kSameGoal = 0.12;
+// Most goal configurations, whatever the gains: they are kept and compared one by one.
+constexpr int kMostGoals = 2000;
 // Poses of a goal with free directions whose distances from objects are looked at.
 constexpr int kPoses = 8;
 
@@ -60,7 +62,8 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
   least_.object = least_of(params.collision.object, params.plan.clearance);
   static_assert(SmoothPath::kMostCorners == EdgeList::kMost + 1);
   corners_.reserve(SmoothPath::kMostCorners);
-  goals_.reserve(static_cast<std::size_t>(params_.search.goals * params_.search.effort * params_.ik_enough));
+  goals_.reserve(
+      static_cast<std::size_t>(std::min(kMostGoals, params_.search.goals * params_.search.effort * params_.ik_enough)));
   tiers_.fill(space_.keeps());
 }
 
