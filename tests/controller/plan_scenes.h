@@ -135,13 +135,18 @@ inline Scene before_a_gap(const std::shared_ptr<const RobotModel>& model, std::u
   return scene;
 }
 
-/// A whole plan at once.
-inline bool plan_whole(Planner& planner, const Scene& scene, std::uint64_t seed) {
-  planner.set_objects(scene.shapes);
+/// Plans to the end, after what was planned before; true if there is a way.
+inline bool plan_again(Planner& planner, const Scene& scene, std::uint64_t seed) {
   planner.begin(scene.start, scene.X_WG, scene.states, seed);
   long budget = 1L << 40;
   planner.advance(budget);
   return planner.found();
+}
+
+/// A whole plan at once.
+inline bool plan_whole(Planner& planner, const Scene& scene, std::uint64_t seed) {
+  planner.set_objects(scene.shapes);
+  return plan_again(planner, scene, seed);
 }
 
 inline std::vector<std::string> plan_robots() {

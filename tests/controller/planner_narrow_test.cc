@@ -38,10 +38,7 @@ std::optional<int> failures(Planner& planner, const Scene& scene, std::uint64_t 
   bool found = plan_whole(planner, scene, seed);
   int failed = 0;
   for (; !found && failed + 1 < most; ++failed) {
-    planner.begin(scene.start, scene.X_WG, scene.states, seed);
-    long budget = 1L << 40;
-    planner.advance(budget);
-    found = planner.found();
+    found = plan_again(planner, scene, seed);
   }
   return found ? std::optional(failed) : std::nullopt;
 }
@@ -119,10 +116,7 @@ TEST(Planner, InNarrowPlacesBaseAndArmMoveApart) {
     EXPECT_TRUE(planner.close_goal()) << "seed " << seed;
     long sum = planner.counts().checks;
     for (int k = 0; !found && k < 6; ++k) {
-      planner.begin(scene.start, scene.X_WG, scene.states, seed);
-      long budget = 1L << 40;
-      planner.advance(budget);
-      found = planner.found();
+      found = plan_again(planner, scene, seed);
       sum += planner.counts().checks;
     }
     EXPECT_TRUE(found) << "seed " << seed;
@@ -147,9 +141,7 @@ void close_in(Planner& planner, Scene& scene) {
 // Plans again; true if that plan has each goal configuration of the one before.
 bool goes_on(Planner& planner, const Scene& scene, std::uint64_t seed) {
   const std::vector<GoalConfiguration> before(planner.goals().begin(), planner.goals().end());
-  planner.begin(scene.start, scene.X_WG, scene.states, seed);
-  long budget = 1L << 40;
-  planner.advance(budget);
+  plan_again(planner, scene, seed);
   const auto goals = planner.goals();
   return std::all_of(before.begin(), before.end(), [&](const GoalConfiguration& then) {
     return std::any_of(goals.begin(), goals.end(), [&](const GoalConfiguration& goal) { return goal.c == then.c; });

@@ -275,9 +275,7 @@ TEST_P(PlannerOf, TakesNoMemory) {
   planner.set_objects(scene.shapes);
   const NoAlloc guard;
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
-    planner.begin(scene.start, scene.X_WG, scene.states, seed);
-    long budget = 1L << 40;
-    planner.advance(budget);
+    plan_again(planner, scene, seed);
   }
   EXPECT_EQ(guard.count(), 0);
 }
@@ -400,10 +398,7 @@ TEST(Planner, AFailedPlanLooksForMoreGoals) {
   const Scene scene = make_scene(model, 1, 6);
   planner.set_objects(scene.shapes);
   for (const std::size_t enough : {4u, 8u}) {
-    planner.begin(scene.start, scene.X_WG, scene.states, 1);
-    long budget = 1L << 40;
-    planner.advance(budget);
-    EXPECT_FALSE(planner.found());
+    EXPECT_FALSE(plan_again(planner, scene, 1));
     EXPECT_GE(planner.goals().size(), enough);
   }
 }
