@@ -37,9 +37,7 @@ Scene inside_a_shelf(const std::shared_ptr<const RobotModel>& model, std::uint64
 std::optional<int> failures(Planner& planner, const Scene& scene, std::uint64_t seed, int most) {
   bool found = plan_whole(planner, scene, seed);
   int failed = 0;
-  for (; !found && failed + 1 < most; ++failed) {
-    found = plan_again(planner, scene, seed);
-  }
+  for (; !found && failed + 1 < most; ++failed) found = plan_again(planner, scene, seed);
   return found ? std::optional(failed) : std::nullopt;
 }
 

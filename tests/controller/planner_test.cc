@@ -274,9 +274,7 @@ TEST_P(PlannerOf, TakesNoMemory) {
   const Scene scene = make_scene(model, 3, 20);
   planner.set_objects(scene.shapes);
   const NoAlloc guard;
-  for (std::uint64_t seed = 0; seed < 3; ++seed) {
-    plan_again(planner, scene, seed);
-  }
+  for (std::uint64_t seed = 0; seed < 3; ++seed) plan_again(planner, scene, seed);
   EXPECT_EQ(guard.count(), 0);
 }
 

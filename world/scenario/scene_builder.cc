@@ -247,6 +247,13 @@ void SceneBuilder::choose_object(const WorldObject& object) {
   proximity_.set_objects({&shape, 1});
 }
 
+std::vector<ObjectState> SceneBuilder::choose_objects(const World& world) {
+  std::vector<ObjectState> states(world.objects.size());
+  object_states(world, 0.0, states);
+  proximity_.set_objects(object_shapes(world));
+  return states;
+}
+
 double SceneBuilder::distance(const Kinematics& at, const std::vector<ObjectState>& states, double range) {
   double least = range;
   for (const ProximityPair& pair : proximity_.query(at, states, {.object = range, .floor = -1.0, .self = -1.0}))
@@ -345,9 +352,7 @@ void SceneBuilder::measure(World& world) {
     if (static_cast<int>(i) != held) obstacles.push_back(i);
   if (obstacles.empty()) return;
 
-  std::vector<ObjectState> states(world.objects.size());
-  object_states(world, 0.0, states);
-  proximity_.set_objects(object_shapes(world));
+  const std::vector<ObjectState> states = choose_objects(world);
   out.witness_clearance_m = distance_to_witnesses(states, 1e3);
 
   int blocked = 0;
@@ -377,9 +382,7 @@ void SceneBuilder::measure(World& world) {
 }
 
 std::vector<std::string> SceneBuilder::touching_at_start(const World& world) {
-  std::vector<ObjectState> states(world.objects.size());
-  object_states(world, 0.0, states);
-  proximity_.set_objects(object_shapes(world));
+  const std::vector<ObjectState> states = choose_objects(world);
   std::vector<std::string> out;
   for (const ProximityPair& pair : proximity_.query(start_, states, {0.0, -1.0, 0.0}))
     out.push_back(fmt::format("{} - {}", model_->shape(pair.first).name,

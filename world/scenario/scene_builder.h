@@ -149,6 +149,8 @@ class SceneBuilder {
   bool check_pose(const Kinematics& kinematics, double floor_clearance, double self_clearance, const std::string& who,
                   bool at_ready = false);
   void choose_object(const WorldObject& object);
+  /// Chooses all objects of the world and returns their states at t = 0.
+  std::vector<ObjectState> choose_objects(const World& world);
   /// Least distance of the chosen objects in these states, at most `range`.
   double distance(const Kinematics& at, const std::vector<ObjectState>& states, double range);
   /// The same to the witnesses of all goals.
