@@ -24,6 +24,8 @@ struct GoalState {
   Vector6 free = Vector6::Zero();  ///< not 0: rotation about, or place along, this axis of G is free [rx ry rz x y z]
 };
 
+/// Beyond the noise of a twist that is told as zero.
+inline bool in_motion(const GoalState& goal) noexcept { return goal.V_WG_W.norm() > kAtRest; }
 /// True if the goal fixes the whole pose.
 inline bool is_whole(const GoalState& goal) noexcept { return goal.free.isZero(0.0); }
 

@@ -113,7 +113,6 @@ std::string describe_plan(const ControlCase& control_case, const ControllerCore&
     out += formatted(" It is at %.2f of %.2f s, %.3f m behind.", brief.clock, brief.duration, brief.lag);
   if (brief.going_on) out += " Meanwhile a path is worked out.";
   out += formatted(" Choices so far: %d.\n", brief.attempts) + last_choice(brief.choice);
-  if (control_case.observation.goal.V_WG_W.norm() > 0.0) return out + "A goal that moves is the policy's.\n";
   return out + choice_now(control_case, control_case.memory.plan.brief.attempts + 1);
 }
 

@@ -5,11 +5,13 @@
 #include <utility>
 
 #include "controller/lookahead/rollout.h"
+#include "controller/safe/pose_track.h"
 
 namespace moma {
 namespace {
 
 constexpr int kMoments = 40;        // of coming to rest
+constexpr double kMeets = 1.0;      // time in which an arm meets a goal in motion [s]
 constexpr double kThinnest = 0.01;  // edge of a box [m]
 
 }  // namespace
@@ -94,6 +96,10 @@ void Choice::begin(const Observation& from, double direct_time, int number, bool
 
 void Choice::begin_way(const Observation& from) noexcept {
   copy_observation(from, from_);
+  if (in_motion(from_.goal)) {
+    const double way = (from_.goal.X_WG.translation().head<2>() - from_.base.head<2>()).norm();
+    moma::advance(from_.goal.V_WG_W, model_->mobile() ? way / model_->base.max_linear : kMeets, from_.goal.X_WG);
+  }
   around_ = false;
   for (ObjectState& object : from_.objects) {
     if (object.seen || !object.visible) continue;

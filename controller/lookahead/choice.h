@@ -21,6 +21,8 @@ enum class Rest { kEvenly, kEach };
 /// direct way if one is free and quicker than the policy, otherwise a planned one that is quicker. The work consists of
 /// pieces of planning, counted in checks; its result does not depend on how they are spread over control steps.
 ///
+/// Ways to a goal in motion lead to where its twist takes it while the base drives straight to where it is.
+///
 /// Ways lead around space that no sensor has seen (map.unseen.around), or through it if none is found.
 ///
 /// One per controller. Only construction and reset() allocate.
@@ -53,7 +55,11 @@ class Choice {
 
   /// True if the chosen path is a direct way.
   bool is_direct() const noexcept { return direct_; }
-  const Path& path() const noexcept { return direct_ ? direct_way_.path() : planner_.path(); }
+  Path path() const noexcept {
+    Path path = direct_ ? direct_way_.path() : planner_.path();
+    path.meets = in_motion(from_.goal);
+    return path;
+  }
   const Planner& planner() const noexcept { return planner_; }
   DirectWay& direct_way() noexcept { return direct_way_; }
   /// Place and velocity of `o`; velocities of a robot that stands are zero.

@@ -25,14 +25,11 @@ ControllerParams late_limits(ControllerParams params) {
   return params;
 }
 
-bool in_motion(const GoalState& goal) noexcept {
-  constexpr double kStill = 1e-6;  // of its twist
-  return goal.V_WG_W.norm() >= kStill;
-}
-
-bool jumped(const DecisionParams& params, const Isometry& from, const Isometry& to) noexcept {
-  return (from.translation() - to.translation()).norm() > params.goal_jump ||
-         log_so3(from.linear() * to.linear().transpose()).norm() > params.goal_turn;
+// `V`: motion of the goal between the two that is no jump.
+bool jumped(const DecisionParams& params, const Isometry& from, const Isometry& to,
+            const Vector6& V = Vector6::Zero()) noexcept {
+  return (from.translation() - to.translation()).norm() > params.goal_jump + V.tail<3>().norm() ||
+         log_so3(from.linear() * to.linear().transpose()).norm() > params.goal_turn + V.head<3>().norm();
 }
 
 }  // namespace
@@ -85,7 +82,9 @@ KeptDistance Lookahead::keeps() const noexcept {
   const Path& path = state_.path;
   if (state_.brief.mode != PlanMode::kFollow) return {};
   const double part = params_.follow.kept;
-  if (path.close()) return {part * path.kept_at_goal, part * slope_, state_.X_WG.translation(), part * path.clearance};
+  if (path.close())
+    return {part * path.kept_at_goal, part * slope_, (path.meets ? path.X_WG : state_.X_WG).translation(),
+            part * path.clearance};
   if (path.clearance >= params_.clearance) return {};
   return {.most = std::max(path.clearance, params_.search.tight * params_.clearance)};
 }
@@ -175,7 +174,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   const double off = std::max(error.tail<3>().norm() / limits.position, error.head<3>().norm() / limits.orientation);
   arrived_ = off < 1.0;
   const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing;
-  if (state_.has_goal && jumped(params_.decisions, state_.X_WG, o.goal.X_WG)) {
+  if (state_.has_goal && jumped(params_.decisions, state_.X_WG, o.goal.X_WG, 2.0 * dt_ * o.goal.V_WG_W)) {
     Following* on_path = doing<Following>();
     Path& path = state_.path;
     const PlanarShift shift = shift_of_goal(mobile_ && is_whole(o.goal), path.X_WG, state_.X_WG);
@@ -206,8 +205,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   state_.known = known;
   const bool goal_moves = in_motion(o.goal);
   PlanBrief& brief = state_.brief;
-  if (goal_moves && !doing<GoingDirect>()) go_direct(PlanReason::kTraffic, Detours::kCleared);
-  if (doing<Following>() && traffic_ && brief.lag > params_.decisions.pushed)
+  if (doing<Following>() && (state_.path.meets != goal_moves || (traffic_ && brief.lag > params_.decisions.pushed)))
     go_direct(PlanReason::kTraffic, Detours::kCleared);
   if (state_.steps == 0 && doing<GoingDirect>() && params_.direct > 0 && stands && !goal_moves && !arrived_)
     begin(SettingOut{}, brief.reason);
@@ -220,9 +218,9 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
     stop(PlanReason::kBesideGoal, -1.0);
   }
   if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
-    if (now->chosen)
+    if (now->chosen && state_.path.meets == goal_moves)
       begin_path(brief.reason == PlanReason::kDirectWay ? brief.reason : PlanReason::kQuicker);
-    else if (brief.reason == PlanReason::kArrives)
+    else if (now->chosen || brief.reason == PlanReason::kArrives)
       begin(GoingDirect{}, brief.reason);
     else
       begin(Stopping{state_.steps + periods(params_.decisions.stop_time), now->direct_time}, brief.reason);
@@ -238,8 +236,8 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
 
 void Lookahead::follow(const Observation& o, Following& following) noexcept {
   PlanBrief& brief = state_.brief;
-  // A pose that the robot chooses among those of its goal moves with the robot.
-  shift_ = shift_of_goal(mobile_ && is_whole(o.goal), state_.path.X_WG, o.goal.X_WG);
+  // A pose that the robot chooses among those of its goal moves with the robot, and a goal in motion by itself.
+  shift_ = shift_of_goal(mobile_ && is_whole(o.goal) && !state_.path.meets, state_.path.X_WG, o.goal.X_WG);
   // The path's clock waits for objects that will pass.
   long looks = kWatched;
   const double meet = params_.decisions.meet, wait = params_.decisions.wait;
@@ -290,18 +288,13 @@ void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
 void Lookahead::work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept {
   const bool stagnated = escape.stagnations > state_.stagnations;
   state_.stagnations = escape.stagnations;
-  if (in_motion(o.goal)) {
-    job_ = Job::kNone;
-    state_.next = state_.steps;
-    return;
-  }
   if (stagnated) {
     stop(PlanReason::kStagnates, -1.0);
     return;
   }
   if (job_ == Job::kNone && state_.steps < state_.next && !news_) return;
   if (!predict(o, escape, params_.horizon, budget)) return;
-  end_direct_prediction();
+  end_direct_prediction(in_motion(o.goal));
   if (doing<GoingOn>()) work_choice(o, escape, budget);
 }
 
@@ -316,6 +309,10 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
     return;
   }
   Path& path = state_.path;
+  if (path.meets) {
+    work_meeting(o, budget);
+    return;
+  }
   if (path.passes() && state_.brief.clock >= path.pass) {
     if (arrived_ || (state_.brief.clock < path.pass + params_.decisions.missed && !stuck())) return;
     // The path leads away from a goal that it has missed.
@@ -366,6 +363,23 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   } else if (stuck()) {
     stop(PlanReason::kNoProgress, -1.0);
   }
+}
+
+// A path to where a goal in motion is expected ends beside it. The policy takes over as soon as it is predicted to
+// arrive.
+void Lookahead::work_meeting(const Observation& o, long& budget) noexcept {
+  if (state_.brief.clock >= state_.path.duration && at_end()) {
+    go_direct(PlanReason::kPathEnds, Detours::kCleared);
+    return;
+  }
+  if (stuck()) {
+    stop(PlanReason::kNoProgress, -1.0);
+    return;
+  }
+  if (job_ == Job::kNone && state_.steps < state_.next && !news_) return;
+  if (!predict(o, EscapeState{}, params_.horizon, budget)) return;
+  state_.next = state_.steps + periods(params_.period);
+  if (rollout_.end() == RolloutEnd::kArrives) go_direct(PlanReason::kArrives, Detours::kCleared);
 }
 
 // Sets the state in which a choice takes effect to where the path has the robot after `ahead` of its clock.
@@ -449,13 +463,16 @@ bool Lookahead::predict(const Observation& o, const EscapeState& escape, double 
   return false;
 }
 
-void Lookahead::end_direct_prediction() noexcept {
+void Lookahead::end_direct_prediction(bool goal_moves) noexcept {
   const bool arrives = rollout_.end() == RolloutEnd::kArrives;
   const double time = arrives ? rollout_.time() : kInfinity;
   const bool first = state_.next == 0;
   state_.next = state_.steps + periods(params_.period);
   if (time < params_.decisions.soon) return;
-  if (!arrives)
+  // A goal in motion that the policy pursues without contact is left to it.
+  if (goal_moves && !arrives && (rollout_.end() == RolloutEnd::kLate || rollout_.end() == RolloutEnd::kGoesOn))
+    begin(GoingDirect{}, PlanReason::kArrives);
+  else if (!arrives)
     go_on(PlanReason::kFails, -1.0);
   else if (state_.held)  // the end of a path would hold it again
     begin(GoingDirect{}, PlanReason::kArrives);

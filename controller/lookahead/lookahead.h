@@ -28,7 +28,8 @@ namespace moma {
 /// where it will be in a moment, or a quicker path: every `period` seconds on a planned path, and at once if its goal
 /// jumps. If it finds none, the policy takes over once its prediction is quicker than the rest of the path. If the path
 /// is blocked or the robot makes no progress, the look-ahead chooses again. Among moving objects it chooses only if the
-/// policy stagnates and none of them is near. A moving goal belongs to the policy.
+/// policy stagnates and none of them is near. A goal in motion is the policy's as long as it is predicted to arrive or
+/// to pursue the goal; else a path to where the goal is expected brings the robot to where the policy arrives.
 ///
 /// One per controller. Only construction and reset() allocate.
 class Lookahead {
@@ -92,9 +93,10 @@ class Lookahead {
   bool work_pass(long& budget) noexcept;
   void work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept;
+  void work_meeting(const Observation& o, long& budget) noexcept;
   void work_choice(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   bool predict(const Observation& o, const EscapeState& escape, double time, long& budget) noexcept;
-  void end_direct_prediction() noexcept;
+  void end_direct_prediction(bool goal_moves) noexcept;
   void choose() noexcept;
   bool stuck() noexcept;
   bool at_end() noexcept;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "controller/safe/pose_track.h"
+
 namespace moma {
 namespace {
 
@@ -23,12 +25,6 @@ double least_time(double error, double gain, double speed, double tolerance) noe
   if (error <= tolerance) return 0.0;
   const double slow = std::max(speed / gain, tolerance);
   return std::max(0.0, error - slow) / speed + std::log(std::min(error, slow) / tolerance) / gain;
-}
-
-void advance_pose(Isometry& X, const Vector6& V, double dt) noexcept {
-  X.translation() += dt * V.tail<3>();
-  const double angle = dt * V.head<3>().norm();
-  if (angle > 0.0) X.linear() = Eigen::AngleAxisd(angle, V.head<3>().normalized()).toRotationMatrix() * X.linear();
 }
 
 // Rows and slack may move E quicker than the servo asks.
@@ -97,8 +93,8 @@ RolloutEnd Rollout::step() noexcept {
   }
   integrate(*model_, state_.base, state_.q, result_.command, period_);
   state_.qdot = result_.command;
-  for (ObjectState& object : state_.objects) advance_pose(object.X_WO, object.V_WO_W, period_);
-  advance_pose(state_.goal.X_WG, state_.goal.V_WG_W, period_);
+  for (ObjectState& object : state_.objects) moma::advance(object.V_WO_W, period_, object.X_WO);
+  moma::advance(state_.goal.V_WG_W, period_, state_.goal.X_WG);
   time_ += period_;
   state_.time += period_;
   return end_;

@@ -33,6 +33,7 @@ struct Path {
   /// Smaller distance at the goal; it grows with the distance from the goal (goal_clearance.h) [m].
   double kept_at_goal = std::numeric_limits<double>::infinity();
   Isometry X_WG = Isometry::Identity();
+  bool meets = false;                    ///< X_WG is the place at which a goal in motion was expected
   double pass = kInfinity;               ///< time at which E passes its goal; infinite: the path ends there [s]
   Isometry X_WN = Isometry::Identity();  ///< then the goal at which it ends: the one after that
 

@@ -9,11 +9,12 @@ namespace {
 
 constexpr double kShort = 0.02;  // a shorter horizontal vector has no direction [m]
 
-// Speed at which a goal with this twist recedes: its own contribution to V, at least 0.
-double receding(const EscapeParams& params, const Vector6& error, const Vector6& V_WG_W) noexcept {
-  const auto along = [](const Vector3& e, const Vector3& v) {
-    const double length = e.norm();
-    return length > 0.0 ? std::max(0.0, e.dot(v) / length) : 0.0;
+// Speed at which a goal with this twist recedes: its own contribution to V. An arm may wait for a goal that comes, a
+// base that stands is held: `mobile` counts its coming too, as negative.
+double receding(const EscapeParams& params, bool mobile, const Vector6& error, const Vector6& V_WG_W) noexcept {
+  const auto along = [mobile](const Vector3& e, const Vector3& v) {
+    const double length = e.norm(), speed = length > 0.0 ? e.dot(v) / length : 0.0;
+    return mobile ? speed : std::max(0.0, speed);
   };
   return along(error.tail<3>(), V_WG_W.tail<3>()) + params.scale * along(error.head<3>(), V_WG_W.head<3>());
 }
@@ -92,7 +93,7 @@ void Escape::watch(const EscapeInput& input, const Task& task, double V) noexcep
     state_.idle = 0.0;
     return;
   }
-  state_.best += dt_ * receding(params_, task.error, input.goal.V_WG_W);
+  state_.best = std::max(0.0, state_.best + dt_ * receding(params_, mobile_, task.error, input.goal.V_WG_W));
   state_.idle += dt_;
   if (state_.idle >= params_.patience) stagnate(input, task, V);
 }

@@ -7,6 +7,7 @@
 #include "controller/config/node.h"
 #include "controller/controller_core.h"
 #include "controller/lookahead/lookahead.h"
+#include "controller/safe/pose_track.h"
 #include "tests/controller/plan_scenes.h"
 #include "tests/support/control_period.h"
 
@@ -42,13 +43,14 @@ class Loop {
     }
     integrate(*model_, o.base, o.q, v, kPeriod);
     o.qdot = v;
+    advance(o.goal.V_WG_W, kPeriod, o.goal.X_WG);
     o.time += kPeriod;
   }
   bool there() {
     kinematics_.update(o.base, o.q);
     const Isometry& X = kinematics_.X_WE();
-    return (X.translation() - scene_.X_WG.translation()).norm() < 0.02 &&
-           log_so3(X.linear() * scene_.X_WG.linear().transpose()).norm() < 0.05;
+    return (X.translation() - o.goal.X_WG.translation()).norm() < 0.02 &&
+           log_so3(X.linear() * o.goal.X_WG.linear().transpose()).norm() < 0.05;
   }
   double clearance() {
     kinematics_.update(o.base, o.q);

@@ -85,6 +85,26 @@ TEST_P(Ahead, GetsRoundAWallThatThePolicyDoesNot) {
   EXPECT_GE(with, without);
 }
 
+// The path leads to where the goal is expected; the policy takes over where it is predicted to arrive.
+TEST_P(Ahead, GetsRoundAWallToAGoalInMotion) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  int met = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Loop loop(model, read_params(*model, true), behind_a_wall(model, seed));
+    loop.o.goal.V_WG_W[4] = 0.1;
+    double least = kInfinity;
+    const PlanState& state = loop.controller.lookahead()->state();
+    while (loop.o.time < 20.0 && !loop.there()) {
+      loop.step();
+      least = std::min(least, loop.clearance());
+      met += state.brief.mode == PlanMode::kFollow && state.path.meets ? 1 : 0;
+    }
+    EXPECT_LT(loop.o.time, 20.0) << "seed " << seed;
+    EXPECT_GT(least, 0.0) << "seed " << seed;
+  }
+  EXPECT_GT(met, 0);
+}
+
 TEST_P(Ahead, OffIsAsIfItWereNotThere) {
   const Scene scene = make_scene(model, 3, 10);
   ControllerParams off = read_params(*model, false);
@@ -385,7 +405,7 @@ TEST_P(Ahead, SetsOutAlongADirectWay) {
   EXPECT_LT(with, 0.97 * without);
 }
 
-// A moving goal is the policy's business; a robot in motion without a path has set out already.
+// Towards a goal in motion the policy sets out; a robot in motion without a path has set out already.
 TEST_P(Ahead, SetsOutAtRestAndTowardsAGoalAtRest) {
   const Scene scene = make_scene(model, 2, 1);
   const auto first_mode = [&](double velocity, double mover, double goal) {
