@@ -11,7 +11,8 @@ namespace moma {
 namespace {
 
 constexpr int kMoments = 40;        // of coming to rest
-constexpr double kMeets = 1.0;      // time in which an arm meets a goal in motion [s]
+constexpr double kMeets = 1.0;      // time in which an arm meets what moves [s]
+constexpr double kMeanSpeed = 0.6;  // of a base on its way, as a share of its largest
 constexpr double kThinnest = 0.01;  // edge of a box [m]
 
 }  // namespace
@@ -96,12 +97,18 @@ void Choice::begin(const Observation& from, double direct_time, int number, bool
 
 void Choice::begin_way(const Observation& from) noexcept {
   copy_observation(from, from_);
-  if (in_motion(from_.goal)) {
-    const double way = (from_.goal.X_WG.translation().head<2>() - from_.base.head<2>()).norm();
-    moma::advance(from_.goal.V_WG_W, model_->mobile() ? way / model_->base.max_linear : kMeets, from_.goal.X_WG);
-  }
+  // Time in which the robot is where something is now.
+  const auto meeting = [&](const Isometry& X) {
+    const double way = (X.translation().head<2>() - from_.base.head<2>()).norm();
+    return model_->mobile() ? way / (kMeanSpeed * model_->base.max_linear) : kMeets;
+  };
+  if (in_motion(from_.goal)) moma::advance(from_.goal.V_WG_W, meeting(from_.goal.X_WG), from_.goal.X_WG);
   around_ = false;
   for (ObjectState& object : from_.objects) {
+    if (in_motion(object)) {
+      moma::advance(object.V_WO_W, meeting(object.X_WO), object.X_WO);
+      object.V_WO_W.setZero();  // plans keep clear of what stands
+    }
     if (object.seen || !object.visible) continue;
     around_ = object.visible = depth_ > 0.0;
     object.box = (object.box.array() - 2.0 * depth_).max(kThinnest);

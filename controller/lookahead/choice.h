@@ -21,7 +21,8 @@ enum class Rest { kEvenly, kEach };
 /// direct way if one is free and quicker than the policy, otherwise a planned one that is quicker. The work consists of
 /// pieces of planning, counted in checks; its result does not depend on how they are spread over control steps.
 ///
-/// Ways to a goal in motion lead to where its twist takes it while the base drives straight to where it is.
+/// What moves counts as standing where its twist takes it while the base drives straight to where it is (an arm: in a
+/// second): ways to a goal in motion lead there, and they keep clear of objects there.
 ///
 /// Ways lead around space that no sensor has seen (map.unseen.around), or through it if none is found.
 ///

@@ -31,6 +31,48 @@ TEST_P(AheadInTraffic, PlansWhileSomethingMoves) {
                         << static_cast<int>(plan.brief.reason);
 }
 
+// An object crosses the way and will be in its middle once the base gets there. Standing where it is now, it is in
+// nobody's way.
+TEST_P(AheadInTraffic, WaysKeepClearOfWhereAnObjectWillBe) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  const ControllerParams params = read_params(*model, true);
+  Scene scene = make_scene(model, 1, 0);
+  const Vector2 from = scene.start.head<2>(), middle = 0.5 * (from + scene.X_WG.translation().head<2>());
+  const Vector2 along = (middle - from).normalized(), across(-along.y(), along.x());
+  constexpr double kSpeed = 0.3;
+  Vector2 now = middle;
+  for (int i = 0; i < 50; ++i) now = middle - kSpeed * (now - from).norm() / (0.6 * model->base.max_linear) * across;
+  scene.shapes = {{"pillar", make_box(0.2, 0.2, 1.5)}};
+  scene.states.assign(1, ObjectState{});
+  const auto way = [&](double speed) {
+    scene.states[0].X_WO.translation() << now, 0.75;
+    scene.states[0].V_WO_W << Vector3::Zero(), speed * across, 0.0;
+    Choice choice(model, params);
+    choice.reset(scene.shapes);
+    choice.begin(Loop(model, params, scene).o, -1.0, 1);
+    long budget = 1'000'000;
+    while (choice.advance(budget)) {
+    }
+    EXPECT_EQ(choice.verdict().kind, PlanKind::kPath);
+    return choice.path();
+  };
+  const auto least_in_the_middle = [&](const Path& path) {
+    scene.states[0].X_WO.translation() << middle, 0.75;
+    scene.states[0].V_WO_W.setZero();
+    Kinematics kinematics(model);
+    WholeConfiguration c;
+    double least = kInfinity;
+    for (double t = 0.0; t <= path.duration; t += 0.05) {
+      path.at(t, c);
+      kinematics.update(c.head<3>(), c.tail(model->num_joints()));
+      least = std::min(least, object_clearance(*model, kinematics, scene));
+    }
+    return least;
+  };
+  EXPECT_LT(least_in_the_middle(way(0.0)), 0.0) << "the pillar's place is not on the way";
+  EXPECT_GT(least_in_the_middle(way(kSpeed)), 0.5 * params.plan.clearance);
+}
+
 // A ball that turns in its place 3 cm beyond the clearance of the path holds back the path's clock.
 TEST_P(AheadInTraffic, KeepsMoreThanThePathsClearanceFromWhatMoves) {
   for (const double room : {0.0, 0.05}) {
