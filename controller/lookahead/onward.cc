@@ -43,8 +43,7 @@ bool Lookahead::append_onward(long& budget) noexcept {
   job_ = Job::kNone;
   Path on = choice_.path();
   if (choice_.verdict().kind != PlanKind::kPath || on.close()) return false;
-  for (PathPart& part : std::span(on.motions).first(static_cast<std::size_t>(on.count)))
-    part.change = shift_.turned_back(part.change);
+  for (PathPart& part : on.parts()) part.change = shift_.turned_back(part.change);
   if (!state_.path.append(state_.brief.clock, on, shift_.back(later_.goal.X_WG))) return false;
   if (!choice_.is_direct()) state_.brief.reason = PlanReason::kQuicker;  // something may be quicker on the way
   state_.brief.duration = state_.path.duration;

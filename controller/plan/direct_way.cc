@@ -234,8 +234,8 @@ bool DirectWay::make(End& end) noexcept {
     end.time = std::max(drive, edge_time(limits_, from, c));
     return true;
   }
-  end.time = std::max(drive, quickest_blend(limits_, Moves::kArm, start_, c).time);
-  if (limits_.base->lateral()) end.time = std::max(end.time, quickest_blend(limits_, Moves::kBase, start_, c).time);
+  end.time = std::max(drive, glide_to_rest(limits_, Moves::kArm, start_, c).time);
+  if (limits_.base->lateral()) end.time = std::max(end.time, glide_to_rest(limits_, Moves::kBase, start_, c).time);
   return true;
 }
 
@@ -264,7 +264,7 @@ void DirectWay::lay(const End& end) noexcept {
     longest_ += drive_.way() + limits_.base_lever * drive_.turned();
   }
   if (start_.moves())
-    lay_blends(end);
+    lay_glides(end);
   else
     lay_from_rest(end);
   path_.clearance = space_.clearances().object;
@@ -280,15 +280,15 @@ void DirectWay::lay_from_rest(const End& end) noexcept {
   drive_.add_to(path_);
 }
 
-void DirectWay::lay_blends(const End& end) noexcept {
-  path_.origin = start_.c;
-  path_.count = 0;
-  path_.duration = 0.0;
+void DirectWay::lay_glides(const End& end) noexcept {
+  const MotionState rest{end.c, WholeConfiguration::Zero(end.c.size())};
+  path_.begin(start_.c);
   for (const Moves moves : {Moves::kArm, Moves::kBase}) {
     if (moves == Moves::kBase && !limits_.base->lateral()) continue;
-    const Blend blend = quickest_blend(limits_, moves, start_, end.c);
-    add_blend(moves, blend, end.time, start_, end.c, path_);
-    longest_ += 0.5 * blend.brake *
+    Trapezoid glide = glide_to_rest(limits_, moves, start_, end.c);
+    glide.time = std::max(glide.time, end.time);
+    add_glide(moves, glide, start_, rest, path_);
+    longest_ += 0.5 * glide.rise *
                 (moves == Moves::kBase ? start_.v.head<2>().norm()
                                        : start_.v.tail(limits_.num_joints()).cwiseAbs().dot(limits_.lever));
   }

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "controller/plan/blend.h"
 #include "controller/plan/free_space.h"
+#include "controller/plan/glide.h"
 #include "controller/plan/passing_way.h"
 #include "controller/plan/steered_drive.h"
 #include "controller/plan/whole_body_ik.h"
@@ -14,7 +14,7 @@
 namespace moma {
 
 /// Searches the quickest way without a corner to the goal: from rest, base and arm move straight; from a motion they go
-/// over into a straight one (blend.h); a differential base steers to its place (steered_drive.h). Whole-body inverse
+/// over into a straight one (glide.h); a differential base steers to its place (steered_drive.h). Whole-body inverse
 /// kinematics around the start give end configurations, and the robot's speeds and accelerations the time to each. The
 /// quickest free way counts. Further tries between the start and the best end then shorten it.
 ///
@@ -69,7 +69,7 @@ class DirectWay {
   }
   void lay(const End& end) noexcept;
   void lay_from_rest(const End& end) noexcept;
-  void lay_blends(const End& end) noexcept;
+  void lay_glides(const End& end) noexcept;
 
   MotionLimits limits_;
   PlanParams params_;

@@ -60,9 +60,7 @@ bool PassingWay::make_steered() noexcept {
   WholeConfiguration c;
   for (int timing = 0; timing < kTimings; ++timing) {
     if (!drive()) return false;
-    path_.origin = start_.c;
-    path_.count = 0;
-    path_.duration = 0.0;
+    path_.begin(start_.c);
     drive_.add_to(path_);
     const double at = drive_.time();
     path_.at(at, c);
@@ -148,10 +146,7 @@ bool PassingWay::drive() noexcept {
 }
 
 void PassingWay::lay(Path& path, double& longest) noexcept {
-  path.origin = start_.c;
-  path.count = 0;
-  path.duration = 0.0;
-  path.pass = kInfinity;
+  path.begin(start_.c);
   path.clearance = space_.clearances().object;
   path.X_WG = X_WG_;
   longest = (pass_.c - start_.c).cwiseAbs().tail(limits_.num_joints()).dot(limits_.lever);

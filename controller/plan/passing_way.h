@@ -1,7 +1,7 @@
 #pragma once
 
-#include "controller/plan/blend.h"
 #include "controller/plan/free_space.h"
+#include "controller/plan/glide.h"
 #include "controller/plan/path.h"
 #include "controller/plan/steered_drive.h"
 #include "controller/plan/whole_body_ik.h"
@@ -52,7 +52,7 @@ class PassingWay {
   // A differential base drives to `via` at this speed at most, until it is that near or has driven so long.
   Vector2 via_ = Vector2::Zero();
   SteeredDrive::Passing passing_{0.0, 0.0, kInfinity};
-  Glide arm_, base_;
+  Trapezoid arm_, base_;
   Path path_;
 };
 

@@ -80,8 +80,7 @@ class Layout {
 
 void Path::at(double t, WholeConfiguration& c) const noexcept {
   c = origin;
-  for (int k = 0; k < count; ++k) {
-    const PathPart& motion = motions[static_cast<std::size_t>(k)];
+  for (const PathPart& motion : parts()) {
     const double part = motion.motion.part(t - motion.start);
     if (part > 0.0) c += part * motion.change;
   }
@@ -94,6 +93,13 @@ void Path::velocity(double t, double h, WholeConfiguration& v) const noexcept {
   v = (v - before) / (2.0 * h);
 }
 
+void Path::begin(const WholeConfiguration& from) noexcept {
+  origin = from;
+  count = 0;
+  duration = 0.0;
+  pass = kInfinity;
+}
+
 bool Path::add(const PathPart& part) noexcept {
   if (count == kMostMotions) return false;
   motions[static_cast<std::size_t>(count++)] = part;
@@ -102,13 +108,11 @@ bool Path::add(const PathPart& part) noexcept {
 
 bool Path::append(double t, const Path& on, const Isometry& X_WN_then) noexcept {
   const auto over = [t](const PathPart& part) { return part.end() <= t; };
-  const std::span<PathPart> parts = std::span(motions).first(static_cast<std::size_t>(count));
-  const auto ended = static_cast<int>(std::count_if(parts.begin(), parts.end(), over));
-  if (count - ended + on.count > kMostMotions) return false;
-  for (const PathPart& part : parts)
+  if (count - std::ranges::count_if(parts(), over) + on.count > kMostMotions) return false;
+  for (const PathPart& part : parts())
     if (over(part)) origin += part.change;
-  count = static_cast<int>(std::remove_if(parts.begin(), parts.end(), over) - parts.begin());
-  for (PathPart part : std::span(on.motions).first(static_cast<std::size_t>(on.count))) {
+  count -= static_cast<int>(std::ranges::remove_if(parts(), over).size());
+  for (PathPart part : on.parts()) {
     part.start += duration;
     add(part);
   }
@@ -120,7 +124,7 @@ bool Path::append(double t, const Path& on, const Isometry& X_WN_then) noexcept 
 }
 
 void Path::begin_earlier(double time) noexcept {
-  for (PathPart& part : std::span(motions).first(static_cast<std::size_t>(count))) {
+  for (PathPart& part : parts()) {
     Trapezoid& motion = part.motion;
     if (part.start > 0.0 || motion.rise > 0.0 || motion.fall <= 0.0) {
       part.start += time;
@@ -137,18 +141,12 @@ void Path::begin_earlier(double time) noexcept {
 
 bool lay_path(const MotionLimits& limits, std::span<const Edge> edges, double overlap, const Braking& braking,
               Path& path) noexcept {
-  path.count = 0;
-  path.duration = 0.0;
-  path.pass = kInfinity;
   if (edges.empty()) return false;
-  path.origin = edges.front().a;
+  path.begin(braking.time > 0.0 ? braking.from : edges.front().a);
   const Eigen::Index joints = limits.num_joints();
   WholeConfiguration change = WholeConfiguration::Zero(3 + joints);
   Layout layout(limits, overlap, path);
-  if (braking.time > 0.0) {
-    path.origin = braking.from;
-    layout.brake(braking.time, edges.front().a - braking.from);
-  }
+  if (braking.time > 0.0) layout.brake(braking.time, edges.front().a - braking.from);
   for (const Edge& edge : edges) {
     // The slower of base and arm sets the speed.
     const double slower = edge.base_time() > 0.0 ? edge.time / edge.base_time() : 1.0;

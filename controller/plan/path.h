@@ -46,6 +46,10 @@ struct Path {
   void at(double t, WholeConfiguration& c) const noexcept;
   /// Computes the velocity at time t from the configurations at t - h and t + h.
   void velocity(double t, double h, WholeConfiguration& v) const noexcept;
+  std::span<PathPart> parts() noexcept { return std::span(motions).first(static_cast<std::size_t>(count)); }
+  std::span<const PathPart> parts() const noexcept { return std::span(motions).first(static_cast<std::size_t>(count)); }
+  /// Begins anew at `from`, without motions.
+  void begin(const WholeConfiguration& from) noexcept;
   /// Adds a motion. False if the path cannot hold it.
   bool add(const PathPart& part) noexcept;
   /// Goes on along another path, which begins in its last configuration, to the goal at X_WN: the path passes its own

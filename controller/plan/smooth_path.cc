@@ -323,10 +323,8 @@ void SmoothPath::lay() noexcept {
   };
   WholeConfiguration left = places_[static_cast<std::size_t>(steps_)] - start_.c, before = place(0.5 * spacing), next;
   left.tail(limits_.num_joints()) = arm_end_ - start_.c.tail(limits_.num_joints());
-  path_.origin = start_.c;
-  path_.count = 0;
+  path_.begin(start_.c);
   path_.duration = time;
-  path_.pass = kInfinity;
   const auto add = [&](const PathPart& part) {
     path_.add(part);
     left -= part.change;

@@ -1,4 +1,4 @@
-#include "controller/plan/blend.h"
+#include "controller/plan/glide.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 namespace moma {
 namespace {
 
-constexpr double kLeastBrake = 0.04;  // [s]
+constexpr double kLeastRise = 0.04;  // [s]
 constexpr double kNoMotion = 1e-9;
 
 // One coordinate, or the base's place.
@@ -26,14 +26,14 @@ void for_each_axis(const MotionLimits& limits, Moves moves, const Visit& visit) 
   }
 }
 
-Blend blend_with(const MotionLimits& limits, Moves moves, const MotionState& start, const WholeConfiguration& end,
-                 double brake) noexcept {
+Trapezoid glide_with(const MotionLimits& limits, Moves moves, const MotionState& start, const WholeConfiguration& end,
+                     double rise) noexcept {
   double least = 0.0, square = 0.0;
   for_each_axis(limits, moves, [&](const Axis& axis) {
     const auto v = start.v.segment(axis.first, axis.size);
     double xx = 0.0, xv = 0.0;
     for (Eigen::Index i = 0; i < axis.size; ++i) {
-      const double x = end[axis.first + i] - start.c[axis.first + i] - 0.5 * brake * v[i];
+      const double x = end[axis.first + i] - start.c[axis.first + i] - 0.5 * rise * v[i];
       xx += x * x;
       xv += x * v[i];
     }
@@ -42,63 +42,18 @@ Blend blend_with(const MotionLimits& limits, Moves moves, const MotionState& sta
     least = std::max(least, way / axis.speed);
     if (!std::isfinite(axis.acceleration)) return;
     square = std::max(square, way / axis.acceleration);
-    const double change = axis.acceleration * brake;
+    const double change = axis.acceleration * rise;
     const double most = xv + std::sqrt(std::max(0.0, xv * xv + xx * (change * change - v.squaredNorm())));
     least = std::max(least, most > 0.0 ? xx / most : kInfinity);
   });
-  Blend blend{.brake = brake};
-  if (least == 0.0) {
-    blend.time = brake;
-    return blend;
-  }
-  blend.fall = std::min(square / least, std::sqrt(2.0 * square));
-  const double full = std::max(least, 0.5 * (brake + blend.fall));
-  blend.time = 0.5 * (brake + blend.fall) + (blend.fall > 0.0 ? std::max(full, square / blend.fall) : full);
-  return blend;
+  if (least == 0.0) return {rise, rise, 0.0};
+  const double fall = std::min(square / least, std::sqrt(2.0 * square));
+  const double full = std::max(least, 0.5 * (rise + fall));
+  return {0.5 * (rise + fall) + (fall > 0.0 ? std::max(full, square / fall) : full), rise, fall};
 }
-
-}  // namespace
-
-Blend quickest_blend(const MotionLimits& limits, Moves moves, const MotionState& start,
-                     const WholeConfiguration& end) noexcept {
-  double shortest = kLeastBrake, square = 0.0, at_speed = 0.0;
-  for_each_axis(limits, moves, [&](const Axis& axis) {
-    shortest = std::max(shortest, start.v.segment(axis.first, axis.size).norm() / axis.acceleration);
-    const double way = (end - start.c).segment(axis.first, axis.size).norm();
-    at_speed = std::max(at_speed, way / axis.speed);
-    square = std::max(square, way / axis.acceleration);
-  });
-  Blend best{.time = kInfinity};
-  for (const double longer : {1.0, 1.25, 1.6, 2.2, 3.0}) {
-    const Blend blend = blend_with(limits, moves, start, end, longer * shortest);
-    if (blend.time < best.time) best = blend;
-  }
-  const double from_rest = quickest(at_speed, square).rise;
-  if (from_rest > shortest) {
-    const Blend blend = blend_with(limits, moves, start, end, from_rest);
-    if (blend.time < best.time) best = blend;
-  }
-  return best;
-}
-
-void add_blend(Moves moves, const Blend& blend, double time, const MotionState& start, const WholeConfiguration& end,
-               Path& path) noexcept {
-  const Eigen::Index first = moves == Moves::kBase ? 0 : 3;
-  const Eigen::Index size = moves == Moves::kBase ? 3 : start.c.size() - 3;
-  PathPart brake{0.0, {blend.brake, 0.0, blend.brake}, WholeConfiguration::Zero(start.c.size())};
-  PathPart rest = brake;
-  brake.change.segment(first, size) = 0.5 * blend.brake * start.v.segment(first, size);
-  rest.change.segment(first, size) = (end - start.c - brake.change).segment(first, size);
-  rest.motion = {std::max(time, blend.time), blend.brake, blend.fall};
-  path.add(brake);
-  path.add(rest);
-  path.duration = std::max(path.duration, rest.motion.time);
-}
-
-namespace {
 
 bool glides(const MotionLimits& limits, Moves moves, const MotionState& a, const MotionState& b,
-            const Glide& glide) noexcept {
+            const Trapezoid& glide) noexcept {
   bool holds = true;
   for_each_axis(limits, moves, [&](const Axis& axis) {
     double full = 0.0, rising = 0.0, falling = 0.0;
@@ -118,21 +73,41 @@ bool glides(const MotionLimits& limits, Moves moves, const MotionState& a, const
 
 }  // namespace
 
-Glide quick_glide(const MotionLimits& limits, Moves moves, const MotionState& a, const MotionState& b,
-                  double least) noexcept {
+Trapezoid glide_to_rest(const MotionLimits& limits, Moves moves, const MotionState& start,
+                        const WholeConfiguration& end) noexcept {
+  double shortest = kLeastRise, square = 0.0, at_speed = 0.0;
+  for_each_axis(limits, moves, [&](const Axis& axis) {
+    shortest = std::max(shortest, start.v.segment(axis.first, axis.size).norm() / axis.acceleration);
+    const double way = (end - start.c).segment(axis.first, axis.size).norm();
+    at_speed = std::max(at_speed, way / axis.speed);
+    square = std::max(square, way / axis.acceleration);
+  });
+  Trapezoid best{.time = kInfinity};
+  const auto consider = [&](double rise) {
+    const Trapezoid glide = glide_with(limits, moves, start, end, rise);
+    if (glide.time < best.time) best = glide;
+  };
+  for (const double longer : {1.0, 1.25, 1.6, 2.2, 3.0}) consider(longer * shortest);
+  const double from_rest = quickest(at_speed, square).rise;
+  if (from_rest > shortest) consider(from_rest);
+  return best;
+}
+
+Trapezoid quick_glide(const MotionLimits& limits, Moves moves, const MotionState& a, const MotionState& b,
+                      double least) noexcept {
   constexpr double kLonger = 1.03, kLongest = 20.0;  // [1, s]
-  double time = std::max(least, 2.0 * kLeastBrake);
+  double time = std::max(least, 2.0 * kLeastRise);
   for_each_axis(limits, moves, [&](const Axis& axis) {
     time = std::max(time, (b.c - a.c).segment(axis.first, axis.size).norm() / axis.speed);
   });
   for (; time < kLongest; time *= kLonger)
     for (const double rise : {0.2, 0.1, 0.35, 0.5})
       for (const double fall : {0.2, 0.1, 0.35, 0.5})
-        if (const Glide glide{time, rise * time, fall * time}; glides(limits, moves, a, b, glide)) return glide;
+        if (const Trapezoid glide{time, rise * time, fall * time}; glides(limits, moves, a, b, glide)) return glide;
   return {.time = kInfinity};
 }
 
-void add_glide(Moves moves, const Glide& glide, const MotionState& a, const MotionState& b, Path& path) noexcept {
+void add_glide(Moves moves, const Trapezoid& glide, const MotionState& a, const MotionState& b, Path& path) noexcept {
   const Eigen::Index first = moves == Moves::kBase ? 0 : 3;
   const Eigen::Index size = moves == Moves::kBase ? 3 : a.c.size() - 3;
   const auto add = [&](double start, const Trapezoid& motion, const WholeConfiguration& change) {
