@@ -61,29 +61,22 @@ void Choice::reset(std::span<const ObjectShape> objects) {
 }
 
 MotionState Choice::motion_of(const Observation& o) const noexcept {
-  const int base = model_->base_dof();
   MotionState motion{WholeConfiguration(3 + o.q.size()), WholeConfiguration::Zero(3 + o.q.size())};
   motion.c << o.base, o.q;
   if (o.qdot.lpNorm<Eigen::Infinity>() <= standing_) return motion;
-  motion.v.tail(o.q.size()) = o.qdot.tail(o.q.size());
-  if (base == 0) return motion;
-  const double cs = std::cos(o.base.z()), sn = std::sin(o.base.z());
-  const double along = o.qdot[0], across = base == 3 ? o.qdot[1] : 0.0;
-  motion.v.head<3>() << cs * along - sn * across, sn * along + cs * across, o.qdot[base - 1];
+  motion.v << planner_.limits().base->velocity_B(o.qdot), o.qdot.tail(o.q.size());
+  motion.v.head<2>() = Eigen::Rotation2Dd(o.base.z()) * motion.v.head<2>();
   return motion;
 }
 
 void Choice::put(const MotionState& motion, Observation& o) const noexcept {
-  const int base = model_->base_dof();
   const auto joints = o.q.size();
   o.base = motion.c.head<3>();
   o.q = motion.c.tail(joints);
   o.qdot.tail(joints) = motion.v.tail(joints);
-  if (base == 0) return;
-  const double cs = std::cos(o.base.z()), sn = std::sin(o.base.z());
-  o.qdot[0] = cs * motion.v[0] + sn * motion.v[1];
-  if (base == 3) o.qdot[1] = -sn * motion.v[0] + cs * motion.v[1];
-  o.qdot[base - 1] = motion.v[2];
+  Vector3 v_B = motion.v.head<3>();
+  v_B.head<2>() = Eigen::Rotation2Dd(-o.base.z()) * v_B.head<2>();
+  planner_.limits().base->set_coordinates(v_B, o.qdot);
 }
 
 void Choice::begin(const Observation& from, double direct_time, int number, bool plans) noexcept {

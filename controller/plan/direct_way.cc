@@ -17,22 +17,6 @@ ControllerParams with_share(ControllerParams params) {
   return params;
 }
 
-// The end first, then the middle, the quarters ... Checks are at even times, and the speed between them is not even:
-// they are so much closer. `longest`: approximate travel of the robot's farthest point [m].
-bool is_free(FreeSpace& space, const Path& path, double longest, double check_step) noexcept {
-  constexpr double kUneven = 1.5;
-  WholeConfiguration c;
-  int parts = 1;
-  while (parts * check_step < kUneven * longest && parts < FreeSpace::kMostParts) parts *= 2;
-  for (int stride = parts; stride >= 1; stride /= 2) {
-    for (int k = stride; k <= parts; k += 2 * stride) {
-      path.at(path.duration * k / parts, c);
-      if (!space.free(c)) return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 DirectWay::DirectWay(std::shared_ptr<const RobotModel> model, const ControllerParams& params)
@@ -40,7 +24,6 @@ DirectWay::DirectWay(std::shared_ptr<const RobotModel> model, const ControllerPa
       params_(params.plan),
       space_(model, limits_),
       ik_(model, params.plan.ik, limits_),
-      goal_clearance_(*model),
       passing_(limits_, params_, space_, ik_),
       upright_share_(params.upright.plan),
       start_{WholeConfiguration::Zero(3 + model->num_joints()), WholeConfiguration::Zero(3 + model->num_joints())} {
@@ -49,7 +32,6 @@ DirectWay::DirectWay(std::shared_ptr<const RobotModel> model, const ControllerPa
 
 void DirectWay::set_objects(std::span<const ObjectShape> objects) {
   space_.set_objects(objects);
-  goal_clearance_.allocate(objects.size());
   stage_ = Stage::kDone;
 }
 
@@ -58,7 +40,7 @@ bool DirectWay::clear(const MotionState& start, const Isometry& X_WG, std::span<
   space_.set_states(objects);
   space_.keep_upright(upright_, upright_share_, start.c, X_WG);
   space_.set_clearances({params_.clearance, params_.self, params_.self}, start.c);
-  close_goal_ = space_.least_at_goal(goal_clearance_, start.c, X_WG, params_.clearance) < params_.clearance;
+  close_goal_ = space_.least_at_goal(start.c, X_WG, params_.clearance) < params_.clearance;
   return !close_goal_ && !(start.moves() && space_.clearances().object < params_.clearance);
 }
 
@@ -138,7 +120,7 @@ void DirectWay::work() noexcept {
       return;
     case Stage::kPass:
       passing_.lay(first_path_, longest_);
-      stage_ = is_free(space_, first_path_, longest_, params_.check_step) ? Stage::kOn : Stage::kPassing;
+      stage_ = is_free(first_path_) ? Stage::kOn : Stage::kPassing;
       return;
     case Stage::kOn:
       take_passing();
@@ -239,6 +221,13 @@ bool DirectWay::make(End& end) noexcept {
   return true;
 }
 
+// Checks are at even times, and the speed between them is not even: they are so much closer.
+bool DirectWay::is_free(const Path& path) noexcept {
+  constexpr double kUneven = 1.5;
+  return space_.free(kUneven * longest_, params_.check_step,
+                     [&](double part, WholeConfiguration& c) { path.at(part * path.duration, c); });
+}
+
 bool DirectWay::drive_to(const End& end) noexcept {
   const bool reached = drive_.plan(limits_, start_.c.head<3>(), driving_speeds(start_), end.point);
   space_.charge(static_cast<long>(drive_.time() / SteeredDrive::kOfACheck));
@@ -248,7 +237,7 @@ bool DirectWay::drive_to(const End& end) noexcept {
 // Makes `end` the best one if its way is free.
 bool DirectWay::take(const End& end) noexcept {
   lay(end);
-  if (!is_free(space_, path_, longest_, params_.check_step)) return false;
+  if (!is_free(path_)) return false;
   best_ = end;
   best_path_ = path_;
   return true;

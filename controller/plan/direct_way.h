@@ -63,6 +63,7 @@ class DirectWay {
   void seed_near_last(End& end) noexcept;
   bool make(End& end) noexcept;
   bool drive_to(const End& end) noexcept;
+  bool is_free(const Path& path) noexcept;
   bool take(const End& end) noexcept;
   bool steers(const End& end) const noexcept {
     return limits_.base->nonholonomic() && (!end.stays || !start_.v.head<3>().isZero(0.0));
@@ -75,7 +76,6 @@ class DirectWay {
   PlanParams params_;
   FreeSpace space_;
   WholeBodyIk ik_;
-  GoalClearance goal_clearance_;
   SteeredDrive drive_;
   PassingWay passing_;
 

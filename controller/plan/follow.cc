@@ -15,17 +15,13 @@ WholeConfiguration PlanarShift::of(const WholeConfiguration& c) const noexcept {
 
 MotionState PlanarShift::of(const MotionState& motion) const noexcept {
   MotionState out{of(motion.c), motion.v};
-  const double cs = std::cos(turn), sn = std::sin(turn);
-  out.v[0] = cs * motion.v[0] - sn * motion.v[1];
-  out.v[1] = sn * motion.v[0] + cs * motion.v[1];
+  out.v.head<2>() = Eigen::Rotation2Dd(turn) * motion.v.head<2>();
   return out;
 }
 
 WholeConfiguration PlanarShift::turned_back(const WholeConfiguration& change) const noexcept {
   WholeConfiguration out = change;
-  const double cs = std::cos(turn), sn = std::sin(turn);
-  out[0] = cs * change[0] + sn * change[1];
-  out[1] = cs * change[1] - sn * change[0];
+  out.head<2>() = Eigen::Rotation2Dd(-turn) * change.head<2>();
   return out;
 }
 
@@ -56,31 +52,30 @@ FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, con
   path.at(t + dt, next);
   here = shift.of(here);
   next = shift.of(next);
-  const double ex = here[0] - o.base.x(), ey = here[1] - o.base.y(), turn = wrapped(here[2] - o.base.z());
+  const Vector2 way = here.head<2>() - o.base.head<2>();
+  const double turn = wrapped(here[2] - o.base.z());
   double joint = 0.0;
   for (int i = 0; i < joints; ++i) joint = std::max(joint, std::abs(here[3 + i] - o.q[i]));
   FollowStep step;
   step.lag = std::max(params.follow.joint * joint,
-                      !limits.mobile() ? 0.0 : std::max(std::hypot(ex, ey), params.follow.heading * std::abs(turn)));
+                      !limits.mobile() ? 0.0 : std::max(std::hypot(way.x(), way.y()), params.follow.heading * std::abs(turn)));
   step.rate = std::clamp(1.5 - step.lag / params.lag, 0.0, most_rate);
   const double per_second = step.rate / dt;
-  const double cs = std::cos(o.base.z()), sn = std::sin(o.base.z());
-  const double along = cs * ex + sn * ey, across = -sn * ex + cs * ey;
-  const double vx = per_second * (next[0] - here[0]), vy = per_second * (next[1] - here[1]);
-  const double omega = per_second * (next[2] - here[2]);
+  const Eigen::Rotation2Dd R_BW(-o.base.z());
+  const Vector2 way_B = R_BW * way;
+  const WholeConfiguration v = per_second * (next - here);
   const double k = params.gain;
   u.setZero();
   if (limits.base->nonholonomic()) {
-    const double forwards = std::cos(here[2]) * vx + std::sin(here[2]) * vy;
-    u[0] = forwards * std::cos(turn) + k * along;
-    u[1] = omega + k * turn + params.follow.across * forwards * across;
+    const double forwards = std::cos(here[2]) * v[0] + std::sin(here[2]) * v[1];
+    u[0] = forwards * std::cos(turn) + k * way_B.x();
+    u[1] = v[2] + k * turn + params.follow.across * forwards * way_B.y();
   } else if (limits.base->lateral()) {
-    u[0] = cs * vx + sn * vy + k * along;
-    u[1] = -sn * vx + cs * vy + k * across;
-    u[2] = omega + k * turn;
+    u.head<2>() = R_BW * v.head<2>() + k * way_B;
+    u[2] = v[2] + k * turn;
   }
   const Eigen::Index first = u.size() - joints;
-  for (int i = 0; i < joints; ++i) u[first + i] = per_second * (next[3 + i] - here[3 + i]) + k * (here[3 + i] - o.q[i]);
+  for (int i = 0; i < joints; ++i) u[first + i] = v[3 + i] + k * (here[3 + i] - o.q[i]);
   return step;
 }
 

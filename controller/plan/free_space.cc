@@ -18,12 +18,14 @@ FreeSpace::FreeSpace(std::shared_ptr<const RobotModel> model, const MotionLimits
     : limits_(&limits),
       kinematics_(model),
       proximity_(model),
+      goal_clearance_(*model),
       hand_(of_hand(*model)),
       keeps_{.clearances = {}, .at_goal = {}, .low = limits.lower, .high = limits.upper},
       point_(WholeConfiguration::Zero(3 + limits.num_joints())) {}
 
 void FreeSpace::set_objects(std::span<const ObjectShape> objects) {
   proximity_.set_objects(objects);
+  goal_clearance_.allocate(objects.size());
   states_.assign(objects.size(), ObjectState{});
   for (ObjectState& state : states_) state.visible = false;
 }
@@ -128,24 +130,19 @@ Vector3 FreeSpace::hand() const noexcept {
 // Limits the way between two checks to a multiple of the kept distance at `c`.
 double FreeSpace::step_near(const WholeConfiguration& c, double step) noexcept {
   constexpr double kTimes = 2.3, kLeast = 0.012;  // [1, m]
-  if (!(keeps_.at_goal.at_goal < keeps_.clearances.object)) return step;
+  if (!narrow()) return step;
   kinematics_.place(c.head<3>(), c.tail(c.size() - 3));
   return std::clamp(kTimes * keeps_.at_goal.of(keeps_.clearances.object, hand()), kLeast, step);
 }
 
 bool FreeSpace::free(const Edge& edge, double step) noexcept {
-  const double way = longest_way(*limits_, edge);
   step = std::min(step_near(edge.a, step), step_near(edge.b, step));
-  int parts = 1;
-  while (parts * step < way && parts < kMostParts) parts *= 2;
-  if (!free(edge.b)) return false;
-  for (int stride = parts; stride > 1; stride /= 2) {
-    for (int k = stride / 2; k < parts; k += stride) {
-      edge_point(*limits_, edge, static_cast<double>(k) / parts, point_);
-      if (!free(point_)) return false;
-    }
-  }
-  return true;
+  return free(longest_way(*limits_, edge), step, [&](double part, WholeConfiguration& c) {
+    if (part < 1.0)
+      edge_point(*limits_, edge, part, c);
+    else
+      c = edge.b;
+  });
 }
 
 double FreeSpace::free_part(const Edge& edge, double step) noexcept {

@@ -80,6 +80,8 @@ class FreeSpace {
   const Keeps& keeps() const noexcept { return keeps_; }
   void keep(const Keeps& keeps) noexcept { keeps_ = keeps; }
   const KeptDistance& kept() const noexcept { return keeps_.at_goal; }
+  /// True if the hand may be nearer to objects at its goal than elsewhere.
+  bool narrow() const noexcept { return keeps_.at_goal.at_goal < keeps_.clearances.object; }
   const Clearances& clearances() const noexcept { return keeps_.clearances; }
   const WholeConfiguration& lower() const noexcept { return keeps_.low; }  ///< joint limits with their margins
   const WholeConfiguration& upper() const noexcept { return keeps_.high; }
@@ -90,15 +92,29 @@ class FreeSpace {
   void unwind(WholeConfiguration& c) const noexcept;
 
   /// Returns the hand's least distance to an object with E at X_WG, at most `range` [m]. `c`: any configuration.
-  double least_at_goal(GoalClearance& hand, const WholeConfiguration& c, const Isometry& X_WG, double range) noexcept {
-    return hand.least(place(c), X_WG, states_, range, proximity_);
+  double least_at_goal(const WholeConfiguration& c, const Isometry& X_WG, double range) noexcept {
+    return goal_clearance_.least(place(c), X_WG, states_, range, proximity_);
   }
 
   bool free(const WholeConfiguration& c) noexcept;
   /// The same with other clearances and without joint ranges.
   bool clear(const WholeConfiguration& c, const Clearances& clearances) noexcept;
-  /// Checks the edge's end, middle, quarters and so on, until no point of the robot moves farther than `step` between
-  /// two checks (less where the kept distance is small), or the edge is cut into kMostParts.
+  /// Checks a way at its end, middle, quarters and so on, until it is cut into kMostParts, or no part of its `length`
+  /// is longer than `step`. `at(part, c)` computes the configuration at `part` in (0, 1].
+  template <class At>
+  bool free(double length, double step, const At& at) noexcept {
+    int parts = 1;
+    while (parts * step < length && parts < kMostParts) parts *= 2;
+    for (int stride = parts; stride >= 1; stride /= 2) {
+      for (int k = stride; k <= parts; k += 2 * stride) {
+        at(static_cast<double>(k) / parts, point_);
+        if (!free(point_)) return false;
+      }
+    }
+    return true;
+  }
+  /// The same of an edge: no point of the robot moves farther than `step` between two checks, less where the kept
+  /// distance is small.
   bool free(const Edge& edge, double step) noexcept;
   /// Returns the part of the edge up to which it is free, checked from its start in the same steps; 1: all of it.
   double free_part(const Edge& edge, double step) noexcept;
@@ -122,6 +138,7 @@ class FreeSpace {
   const MotionLimits* limits_;
   Kinematics kinematics_;
   Proximity proximity_;
+  GoalClearance goal_clearance_;
   std::vector<char> hand_;  // of each shape: it is rigid with E
   std::vector<ObjectState> states_;
   Keeps keeps_;

@@ -38,22 +38,20 @@ double least_of(const DamperParams& rows, double clearance) noexcept {
 }  // namespace
 
 Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams& params)
-    : model_(model),
-      params_(params.plan),
-      limits_(std::make_unique<const MotionLimits>(*model, params)),
-      space_(model, *limits_),
-      ik_(model, params.plan.ik, *limits_),
-      search_(*limits_, params.plan.search, params.plan.check_step),
+    : params_(params.plan),
+      limits_(*model, params),
+      space_(model, limits_),
+      ik_(model, params.plan.ik, limits_),
+      search_(limits_, params.plan.search, params.plan.check_step),
       tuck_(tucked_arm(*model, space_, {-1.0, params.plan.self, params.plan.self})),
       least_{-1.0, least_of(params.collision.floor, params.plan.self),
              least_of(params.collision.self, params.plan.self)},
       at_goal_(params.collision.at_goal),
       position_(params.escape.position),
       orientation_(params.escape.orientation),
-      goal_clearance_(*model),
       upright_share_(params.upright.plan),
-      route_(*limits_, params_),
-      smooth_(*limits_, params_, space_, ik_) {
+      route_(limits_, params_),
+      smooth_(limits_, params_, space_, ik_) {
   // Some links are nearer to each other than that in every configuration.
   WholeConfiguration ready = WholeConfiguration::Zero(3 + model->num_joints());
   ready.tail(model->num_joints()) = model->ready;
@@ -69,7 +67,6 @@ Planner::Planner(std::shared_ptr<const RobotModel> model, const ControllerParams
 
 void Planner::set_objects(std::span<const ObjectShape> objects) {
   space_.set_objects(objects);
-  goal_clearance_.allocate(objects.size());
   stage_ = PlanStage::kIdle;
 }
 
@@ -111,7 +108,7 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
     tries_ = 0;
   }
   for (GoalConfiguration& goal : goals_) {
-    const double time = edge_time(*limits_, start_, goal.c);
+    const double time = edge_time(limits_, start_, goal.c);
     goal.cost += time - goal.time;
     goal.time = time;
   }
@@ -121,8 +118,8 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
 // Chooses the turn of joints that wind: the last plan's if it `stays` and no such joint has left its middle half,
 // otherwise the start's.
 void Planner::set_turn(bool stays) noexcept {
-  for (int i = 0; stays && i < limits_->num_joints(); ++i)
-    stays = limits_->winds[i] == 0 || std::abs(start_[3 + i] - turn_[3 + i]) < 0.25 * kFullTurn;
+  for (int i = 0; stays && i < limits_.num_joints(); ++i)
+    stays = limits_.winds[i] == 0 || std::abs(start_[3 + i] - turn_[3 + i]) < 0.25 * kFullTurn;
   if (!stays) turn_ = start_;
 }
 
@@ -158,14 +155,14 @@ bool Planner::same_world(const Isometry& X_WG, std::span<const ObjectState> obje
 }
 
 bool Planner::advance(long& budget) noexcept {
-  while (budget > 0 && stage_ != PlanStage::kFound && stage_ != PlanStage::kFailed && stage_ != PlanStage::kIdle) {
+  while (budget > 0 && busy()) {
     const long before = space_.checks();
     work();
     const long used = std::max(1L, space_.checks() - before);
     counts_.checks += used;
     budget -= used;
   }
-  return stage_ != PlanStage::kFound && stage_ != PlanStage::kFailed && stage_ != PlanStage::kIdle;
+  return busy();
 }
 
 void Planner::begin_tier(int tier) noexcept {
@@ -203,7 +200,7 @@ void Planner::work() noexcept {
       break;
     case PlanStage::kShorten:
       if (shortcut_ < params_.shortcuts && (edges_.size() > 1 || shortcut_ <= 10)) {
-        try_shortcut(space_, params_.check_step, shortcut_++, draws_, edges_, work_, spare_);
+        try_shortcut(space_, params_.check_step, shortcut_++, draws_, edges_, work_);
         break;
       }
       take_edges();
@@ -271,9 +268,9 @@ Isometry Planner::allowed_pose() noexcept {
 // Returns the hand's distance at the goal; the largest of some poses if it allows several.
 double Planner::needed_at_goal() noexcept {
   const double range = params_.clearance;
-  double needed = space_.least_at_goal(goal_clearance_, start_, X_WG_, range);
+  double needed = space_.least_at_goal(start_, X_WG_, range);
   for (int i = 0; i < kPoses && free_.any() && needed < range; ++i)
-    needed = std::max(needed, space_.least_at_goal(goal_clearance_, start_, allowed_pose(), range));
+    needed = std::max(needed, space_.least_at_goal(start_, allowed_pose(), range));
   return needed;
 }
 
@@ -296,10 +293,10 @@ Isometry Planner::near_goal() noexcept {
 // where a plan has failed, more of what it had do not help.
 void Planner::take_goal(GoalConfiguration& goal) noexcept {
   const auto same = [&](const GoalConfiguration& other) {
-    return limits_->distance_squared(other.c, goal.c) < kSameGoal * kSameGoal;
+    return limits_.distance_squared(other.c, goal.c) < kSameGoal * kSameGoal;
   };
   if (goals_.size() == goals_.capacity()) return;
-  if ((effort_ > 1 || !limits_->mobile()) && std::any_of(goals_.begin(), goals_.end(), same)) return;
+  if ((effort_ > 1 || !limits_.mobile()) && std::any_of(goals_.begin(), goals_.end(), same)) return;
   const auto free = [&](int tier) {
     space_.keep(tiers_[static_cast<std::size_t>(tier)]);
     return space_.free(goal.c) && within_rows(goal.c);
@@ -312,7 +309,7 @@ void Planner::take_goal(GoalConfiguration& goal) noexcept {
     break;
   }
   space_.keep(tiers_[static_cast<std::size_t>(goal.tier)]);
-  goal.time = edge_time(*limits_, start_, goal.c);
+  goal.time = edge_time(limits_, start_, goal.c);
   goal.cost = goal.time + ik_.penalty(space_, params_.roomy, goal.c);
   if (kOverlapped * goal.time > within_)
     late_ += goal.tier == tier_ ? 1 : 0;
@@ -333,7 +330,7 @@ void Planner::begin_search() noexcept {
     return first != second ? first : a.cost < b.cost;
   };
   std::sort(goals_.begin(), goals_.end(), before);
-  longest_ = within_ < kAnyLength ? within_ * limits_->linear : kAnyLength;
+  longest_ = within_ < kAnyLength ? within_ * limits_.linear : kAnyLength;
   if (smooths() && params_.smooth.routes > 0)
     begin_route();
   else
@@ -432,7 +429,7 @@ bool Planner::next_tier() noexcept {
 // that nothing can change.
 void Planner::lay() noexcept {
   if (laid_ < 0) {
-    if (!lay_path(*limits_, best_.all(), overlap_, braking_, path_)) {
+    if (!lay_path(limits_, best_.all(), overlap_, braking_, path_)) {
       stage_ = PlanStage::kFailed;
       return;
     }
@@ -444,8 +441,9 @@ void Planner::lay() noexcept {
   const Clearances half{0.5 * whole.object, 0.5 * whole.floor, 0.5 * whole.self};
   for (int k = 0; k < kAtOnce; ++k) {
     const double t = kMoment * laid_++;
-    path_.at(std::min(t, path_.duration), spare_.a);
-    if (!space_.clear(spare_.a, half)) {
+    WholeConfiguration c;
+    path_.at(std::min(t, path_.duration), c);
+    if (!space_.clear(c, half)) {
       if (overlap_ > 0.0) {
         overlap_ = 0.0;
         laid_ = -1;

@@ -80,8 +80,7 @@ class Planner {
   /// True if the hand is nearer to an object at the goal than the clearance, in the last plan.
   bool close_goal() const noexcept { return needed_ < kInfinity; }
   const PlanCounts& counts() const noexcept { return counts_; }
-  const MotionLimits& limits() const noexcept { return *limits_; }
-  const VectorX& tuck() const noexcept { return tuck_; }
+  const MotionLimits& limits() const noexcept { return limits_; }
   /// Goal configurations of the plan's tier, the cheapest first once the search begins.
   std::span<const GoalConfiguration> goals() const noexcept {
     return std::span(goals_).first(static_cast<std::size_t>(usable_goals()));
@@ -92,6 +91,9 @@ class Planner {
   const EdgeList& edges() const noexcept { return best_; }
 
  private:
+  bool busy() const noexcept {
+    return stage_ != PlanStage::kFound && stage_ != PlanStage::kFailed && stage_ != PlanStage::kIdle;
+  }
   void work() noexcept;
   void set_turn(bool stays) noexcept;
   void set_tiers(int first) noexcept;
@@ -117,16 +119,15 @@ class Planner {
   void lay() noexcept;
   void label_path() noexcept;
   /// True for a path past its corners: of a robot that drives, to a goal that is not close to an object.
-  bool smooths() const noexcept { return limits_->mobile() && !close_goal() && params_.smooth.tries > 0; }
+  bool smooths() const noexcept { return limits_.mobile() && !close_goal() && params_.smooth.tries > 0; }
   double beyond() const noexcept { return tier_ == kRoomy ? params_.search.roomy_beyond : params_.search.beyond; }
   void begin_route() noexcept;
   void route() noexcept;
   void begin_smooth() noexcept;
   void end_smooth() noexcept;
 
-  std::shared_ptr<const RobotModel> model_;
   PlanParams params_;
-  std::unique_ptr<const MotionLimits> limits_;
+  MotionLimits limits_;
   FreeSpace space_;
   WholeBodyIk ik_;
   Search search_;
@@ -134,7 +135,6 @@ class Planner {
   Clearances least_;  // of a goal, however near the start is to something
   GoalClearanceParams at_goal_;
   double position_, orientation_;  // tolerances of the goal [m, rad]
-  GoalClearance goal_clearance_;
   std::optional<Upright> upright_;
   double upright_share_;       // of its angle, in plans
   double needed_ = kInfinity;  // the hand's distance at the goal; infinite where it is not below the clearance [m]
@@ -160,7 +160,6 @@ class Planner {
   double longest_ = 0.0;
   int shortcut_ = 0;
   EdgeList edges_, work_, best_;
-  Edge spare_;
   double best_time_ = 0.0;
   double overlap_ = 0.0;
   int laid_ = 0;  // moments of the path that are known to be clear

@@ -15,9 +15,7 @@ constexpr std::array<std::pair<int, int>, 8> kAround{
 
 Route::Route(const MotionLimits& limits, const PlanParams& params) : limits_(limits), params_(params) {
   constexpr std::size_t kPlaces = static_cast<std::size_t>(kMostPlaces) * kMostPlaces;
-  way_.resize(kPlaces);
-  parent_.resize(kPlaces);
-  closed_.resize(kPlaces);
+  places_.resize(kPlaces);
   heap_.reserve(kAround.size() * kPlaces + 1);
   chain_.reserve(kPlaces + 1);
   corners_.reserve(kPlaces + 1);
@@ -39,21 +37,17 @@ void Route::begin(const WholeConfiguration& start, std::span<const GoalConfigura
   };
   columns_ = count(0);
   rows_ = count(1);
-  const int places = columns_ * rows_;
-  std::fill_n(way_.begin(), places, kInfinity);
-  std::fill_n(closed_.begin(), places, 0);
+  std::fill_n(places_.begin(), columns_ * rows_, Place{kInfinity, -1, false});
   heap_.clear();
   chain_.clear();
   open(before(1) * columns_ + before(0), -1, 0.0);
 }
 
-Vector2 Route::at(int place) const noexcept { return low_ + cell_ * Vector2(place % columns_, place / columns_); }
-
 void Route::open(int place, int parent, double way) noexcept {
-  const auto k = static_cast<std::size_t>(place);
-  if (closed_[k] != 0 || !(way < way_[k])) return;
-  way_[k] = way;
-  parent_[k] = parent;
+  Place& here = known(place);
+  if (here.closed || !(way < here.way)) return;
+  here.way = way;
+  here.parent = parent;
   double rest = kInfinity;
   for (std::size_t i = 0; i < goals_.size(); ++i)
     if (!met_[i]) rest = std::min(rest, (at(place) - goals_[i].c.head<2>()).norm());
@@ -65,7 +59,7 @@ Route::Progress Route::advance(FreeSpace& space) noexcept {
   if (!chain_.empty()) return pull(space);
   if (heap_.empty()) return Progress::kNone;
   const int place = heap_.front().place;
-  const bool open = closed_[static_cast<std::size_t>(place)] == 0;
+  const bool open = !known(place).closed;
   // A place stays the first one until it has led to all goals near it.
   if ((open && !expand(space, place)) || !meet(place)) {
     std::pop_heap(heap_.begin(), heap_.end());
@@ -76,16 +70,16 @@ Route::Progress Route::advance(FreeSpace& space) noexcept {
 
 // Opens the neighbours of a place that is free, headed there from its parent.
 bool Route::expand(FreeSpace& space, int place) noexcept {
-  const auto k = static_cast<std::size_t>(place);
-  closed_[k] = 1;
-  if (parent_[k] >= 0) {
-    head_to(at(parent_[k]), at(place));
+  Place& here = known(place);
+  here.closed = true;
+  if (here.parent >= 0) {
+    head_to(at(here.parent), at(place));
     if (!space.free(tucked_)) return false;
   }
   for (const auto& [dx, dy] : kAround) {
     const int x = place % columns_ + dx, y = place / columns_ + dy;
     if (x >= 0 && y >= 0 && x < columns_ && y < rows_)
-      open(y * columns_ + x, place, way_[k] + cell_ * std::hypot(dx, dy));
+      open(y * columns_ + x, place, here.way + cell_ * std::hypot(dx, dy));
   }
   return true;
 }
@@ -97,7 +91,7 @@ bool Route::meet(int place) noexcept {
   if (goal_ == goals_.size()) return false;
   met_[goal_] = true;
   chain_.push_back(goals_[goal_].c.head<2>());
-  for (int i = place; i >= 0; i = parent_[static_cast<std::size_t>(i)]) chain_.push_back(at(i));
+  for (int i = place; i >= 0; i = known(i).parent) chain_.push_back(at(i));
   std::reverse(chain_.begin(), chain_.end());
   corners_.clear();
   corners_.push_back(start_);

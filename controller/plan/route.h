@@ -38,7 +38,14 @@ class Route {
     bool operator<(const Open& other) const noexcept { return least > other.least; }  // the least is a heap's first
   };
 
-  Vector2 at(int place) const noexcept;
+  struct Place {
+    double way;  // to it [m]
+    int parent;
+    bool closed;
+  };
+
+  Vector2 at(int place) const noexcept { return low_ + cell_ * Vector2(place % columns_, place / columns_); }
+  Place& known(int place) noexcept { return places_[static_cast<std::size_t>(place)]; }
   void open(int place, int parent, double way) noexcept;
   bool expand(FreeSpace& space, int place) noexcept;
   bool meet(int place) noexcept;
@@ -56,9 +63,7 @@ class Route {
   Vector2 low_ = Vector2::Zero();
   double cell_ = 0.0;  // [m]
   int columns_ = 0, rows_ = 0;
-  std::vector<double> way_;  // to each place [m]
-  std::vector<int> parent_;
-  std::vector<char> closed_;
+  std::vector<Place> places_;
   std::vector<Open> heap_;
 
   // The route.

@@ -32,9 +32,6 @@ constexpr double kUprightStep = 0.5;  // longest step of a joint where the tool 
 constexpr double kShortWay = 0.05;    // shorter steps keep their heading [m]
 constexpr int kBlocked = 2;           // cost of a search in a tree, in checks
 
-// True if the hand is close to an object at its goal.
-bool narrow(const FreeSpace& space) noexcept { return space.kept().at_goal < space.clearances().object; }
-
 // Draws any posture of the arm.
 void draw_arm(const FreeSpace& space, int joints, CountedDraws& draws, WholeConfiguration& c) noexcept {
   for (int i = 0; i < joints; ++i) c[3 + i] = draws.uniform(space.lower()[i], space.upper()[i]);
@@ -140,7 +137,7 @@ SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
 // Draws a node and a direction of the hand: back along the arm to one of its joints, which leads out of where it
 // reaches in, one of the hand's axes, or any. False for a draw of joints, and if the goal is not close to an object.
 bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
-  if (!narrow(space) || draws.uniform() >= params_.hand_moves) return false;
+  if (!space.narrow() || draws.uniform() >= params_.hand_moves) return false;
   constexpr double kBack = 0.25, kAlongAxes = 0.35;  // shares of the directions
   const Tree& growing = tree(side_);
   grown_ = static_cast<int>(draws.choice(static_cast<std::size_t>(growing.size())));
@@ -277,7 +274,7 @@ bool Search::join(int from_start, int from_goal) noexcept {
 // Draws a node of the growing tree and moves its base straight (or sideways, if it can) or its arm alone. False if base
 // and arm move together: for a fixed arm, outside of narrow places, and in the other draws.
 bool Search::sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) noexcept {
-  if (!limits_->mobile() || !narrow(space)) return false;
+  if (!limits_->mobile() || !space.narrow()) return false;
   const double kind = draws.uniform();
   if (kind >= params_.base_alone + params_.arm_alone) return false;
   const Tree& growing = tree(side_);

@@ -26,8 +26,8 @@ std::pair<double, double> two_times(const EdgeList& edges, bool corners, Counted
 
 }  // namespace
 
-void try_shortcut(FreeSpace& space, double check_step, int index, CountedDraws& draws, EdgeList& edges, EdgeList& work,
-                  Edge& spare) noexcept {
+void try_shortcut(FreeSpace& space, double check_step, int index, CountedDraws& draws, EdgeList& edges,
+                  EdgeList& work) noexcept {
   const MotionLimits& limits = space.limits();
   const double T = edges.time();
   const auto [from, to] = two_times(edges, index % 3 == 0, draws);
@@ -49,17 +49,17 @@ void try_shortcut(FreeSpace& space, double check_step, int index, CountedDraws& 
   }
   const std::size_t first_new = work.size();
   bool fits = true;
-  if (l < edges.size() && from - t > 1e-6) {
-    make_edge(limits, edges[l].a, a, spare);
-    fits = work.push(spare);
-  }
-  make_edge(limits, a, b, spare);
-  fits = work.push(spare) && fits;
+  const auto add = [&](const WholeConfiguration& begin, const WholeConfiguration& end) {
+    Edge edge;
+    make_edge(limits, begin, end, edge);
+    fits = work.push(edge) && fits;
+  };
+  if (l < edges.size() && from - t > 1e-6) add(edges[l].a, a);
+  add(a, b);
   for (; l < edges.size() && t + edges[l].time <= to + kSame; ++l) t += edges[l].time;
   std::size_t last_new = work.size();
   if (l < edges.size()) {
-    make_edge(limits, b, edges[l].b, spare);
-    fits = work.push(spare) && fits;
+    add(b, edges[l].b);
     last_new = work.size();
     for (++l; l < edges.size(); ++l) fits = work.push(edges[l]) && fits;
   }

@@ -29,8 +29,7 @@ SmoothPath::SmoothPath(const MotionLimits& limits, const PlanParams& params, Fre
   corners_.reserve(kMostCorners);
   best_.reserve(kMostCorners);
   const WholeConfiguration zero = WholeConfiguration::Zero(3 + limits.num_joints());
-  places_.resize(kMostSimulated + 1, zero);
-  targets_.resize(kMostSimulated + 1, 0);
+  moments_.reserve(kMostSimulated + 1);
   start_ = {zero, zero};
   arm_end_ = VectorX::Zero(limits.num_joints());
 }
@@ -96,10 +95,12 @@ bool SmoothPath::work() noexcept {
 
 // Lets the robot pass one of the two corners that it is between later: the nearer one in time, if that is possible.
 void SmoothPath::tighten(double t) noexcept {
-  const int i = std::clamp(static_cast<int>(t / kDriveStep), 1, steps_), next = targets_[static_cast<std::size_t>(i)];
+  const int i = std::clamp(static_cast<int>(t / kDriveStep), 1, steps());
+  const auto target = [&](int step) { return moments_[static_cast<std::size_t>(step)].target; };
+  const int next = target(i);
   int first = i, last = i;
-  while (first > 1 && targets_[static_cast<std::size_t>(first - 1)] == next) --first;
-  while (last < steps_ && targets_[static_cast<std::size_t>(last + 1)] == next) ++last;
+  while (first > 1 && target(first - 1) == next) --first;
+  while (last < steps() && target(last + 1) == next) ++last;
   Corner& before = corners_[static_cast<std::size_t>(next - 1)];
   Corner& after = corners_[static_cast<std::size_t>(next)];
   const int most = &after == &corners_.back() ? kLate : kStop;
@@ -138,7 +139,7 @@ bool SmoothPath::aim() noexcept {
     arm_end_ = last.c.tail(joints);
     bool reached = true;
     for (const double aside : {params_.smooth.aside, params_.smooth.aside_last}) {
-      if (!simulate() || !(steps_ * kDriveStep < most)) return false;
+      if (!simulate() || !(steps() * kDriveStep < most)) return false;
       WholeConfiguration c = at_;
       c.tail(joints) = arm_end_;
       reached = ik_.solve(space_, X_WE_, c, false);
@@ -162,8 +163,10 @@ bool SmoothPath::aim() noexcept {
 }
 
 bool SmoothPath::simulate() noexcept {
-  steps_ = 0;
-  places_[0] = at_ = start_.c;
+  moments_.clear();
+  at_ = start_.c;
+  target_ = 0;
+  log();
   u_ = start_.v;
   if (limits_.base->nonholonomic()) {
     const Vector2 v = driving_speeds(start_);
@@ -194,16 +197,14 @@ bool SmoothPath::simulate() noexcept {
     turned_ = !stops;
     if (stops) u_.setZero();
   }
-  space_.charge(1 + steps_ / kStepsOfACheck);
-  return goes && steps_ > 0;
+  space_.charge(1 + steps() / kStepsOfACheck);
+  return goes && steps() > 0;
 }
 
 // Adds the robot's place to the motion. False if it cannot hold more.
 bool SmoothPath::log() noexcept {
-  if (steps_ == kMostSimulated) return false;
-  ++steps_;
-  places_[static_cast<std::size_t>(steps_)] = at_;
-  targets_[static_cast<std::size_t>(steps_)] = target_;
+  if (steps() == kMostSimulated) return false;
+  moments_.push_back({at_, target_});
   return true;
 }
 
@@ -315,13 +316,13 @@ void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stop
 // Makes triangles of the motion between even times: each leads on as far as the motion does in the middle half of its
 // time, so that no error adds up and none exceeds an acceleration. What the ends leave is spread over the whole time.
 void SmoothPath::lay() noexcept {
-  const double time = steps_ * kDriveStep, spacing = time / (kTriangles + 1);
+  const double time = steps() * kDriveStep, spacing = time / (kTriangles + 1);
   const auto place = [&](double t) -> WholeConfiguration {
     const double step = t / kDriveStep;
-    const auto k = std::min(static_cast<std::size_t>(step), static_cast<std::size_t>(steps_ - 1));
-    return places_[k] + (step - static_cast<double>(k)) * (places_[k + 1] - places_[k]);
+    const auto k = std::min(static_cast<std::size_t>(step), moments_.size() - 2);
+    return moments_[k].c + (step - static_cast<double>(k)) * (moments_[k + 1].c - moments_[k].c);
   };
-  WholeConfiguration left = places_[static_cast<std::size_t>(steps_)] - start_.c, before = place(0.5 * spacing), next;
+  WholeConfiguration left = moments_.back().c - start_.c, before = place(0.5 * spacing), next;
   left.tail(limits_.num_joints()) = arm_end_ - start_.c.tail(limits_.num_joints());
   path_.begin(start_.c);
   path_.duration = time;

@@ -58,9 +58,14 @@ class SmoothPath {
     double base = 0.0, arm = 0.0;   // times at full speed [s]
     double farthest = 0.0;          // joint [rad, m]
   };
+  struct Moment {
+    WholeConfiguration c;
+    int target;  // the corner that it pursued
+  };
 
   bool aim() noexcept;
   bool simulate() noexcept;
+  int steps() const noexcept { return static_cast<int>(moments_.size()) - 1; }
   bool log() noexcept;
   template <class Place>
   bool play(double time, const Place& place) noexcept;
@@ -96,9 +101,7 @@ class SmoothPath {
   bool base_there_ = false;  // at the corner
   bool turned_ = true;       // towards the corner, since it stopped
   int target_ = 0;           // the corner
-  int steps_ = 0;
-  std::vector<WholeConfiguration> places_;  // after each step
-  std::vector<int> targets_;                // the corner that it pursued
+  std::vector<Moment> moments_;  // the start, and after each step
   Edge edge_;
 };
 

@@ -240,7 +240,6 @@ TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
   params.plan.search.off_goal = 0.4;
   Planner near(model, params);
   const MotionLimits limits(*model, params);
-  GoalClearance hand(*model);
   FreeSpace space(model, limits);
   Kinematics kinematics(model);
   int found = 0;
@@ -249,11 +248,10 @@ TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
     scene.shapes.push_back({"ball", make_sphere(0.03)});
     scene.states.emplace_back();
     space.set_objects(scene.shapes);
-    hand.allocate(1);
     for (double away = 0.1; away > 0.0; away -= 0.0005) {
       scene.states.back().X_WO.translation() = scene.X_WG * Vector3(0.0, 0.0, away);
       space.set_states(scene.states);
-      if (space.least_at_goal(hand, scene.start, scene.X_WG, 0.1) < 0.001) break;
+      if (space.least_at_goal(scene.start, scene.X_WG, 0.1) < 0.001) break;
     }
     EXPECT_FALSE(failures(exact, scene, seed, 4)) << "seed " << seed;
     if (!failures(near, scene, seed, 4)) continue;
