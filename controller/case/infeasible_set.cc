@@ -28,11 +28,10 @@ class FeasibilityCheck {
       if (!kept[i]) continue;
       const int k = all[i].index;
       switch (all[i].kind) {
-        case ConstraintId::Kind::kRow: {
-          const int row = part_.append(given_->ids[static_cast<std::size_t>(k)], given_->lbA[k], given_->ubA[k]);
-          part_.A.row(row) = given_->A.row(k);
+        case ConstraintId::Kind::kRow:
+          part_.append(given_->ids[static_cast<std::size_t>(k)], given_->lbA[k], given_->ubA[k],
+                       given_->A.row(k).transpose());
           break;
-        }
         case ConstraintId::Kind::kLowerBound:
           part_.lb[k] = given_->lb[k];
           break;

@@ -57,8 +57,9 @@ FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, con
   double joint = 0.0;
   for (int i = 0; i < joints; ++i) joint = std::max(joint, std::abs(here[3 + i] - o.q[i]));
   FollowStep step;
-  step.lag = std::max(params.follow.joint * joint,
-                      !limits.mobile() ? 0.0 : std::max(std::hypot(way.x(), way.y()), params.follow.heading * std::abs(turn)));
+  step.lag =
+      std::max(params.follow.joint * joint,
+               !limits.mobile() ? 0.0 : std::max(std::hypot(way.x(), way.y()), params.follow.heading * std::abs(turn)));
   step.rate = std::clamp(1.5 - step.lag / params.lag, 0.0, most_rate);
   const double per_second = step.rate / dt;
   const Eigen::Rotation2Dd R_BW(-o.base.z());

@@ -97,10 +97,10 @@ class SmoothPath {
   // The simulated robot.
   WholeConfiguration at_, u_;  // its velocities: (v, 0, omega) of a differential base, else in W
   VectorX arm_end_;
-  double direction_ = 1.0;   // 1: it drives forwards, -1: backwards; 0: not known for this corner
-  bool base_there_ = false;  // at the corner
-  bool turned_ = true;       // towards the corner, since it stopped
-  int target_ = 0;           // the corner
+  double direction_ = 1.0;       // 1: it drives forwards, -1: backwards; 0: not known for this corner
+  bool base_there_ = false;      // at the corner
+  bool turned_ = true;           // towards the corner, since it stopped
+  int target_ = 0;               // the corner
   std::vector<Moment> moments_;  // the start, and after each step
   Edge edge_;
 };

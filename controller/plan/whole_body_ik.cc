@@ -179,8 +179,7 @@ double WholeBodyIk::penalty(FreeSpace& space, double roomy, const WholeConfigura
   const int joints = limits_->num_joints();
   double cost = 0.0;
   const Clearances& now = space.clearances();
-  if (now.object < roomy && !space.narrow() && !space.clear(c, {roomy, now.floor, now.self}))
-    cost += params_.tight;
+  if (now.object < roomy && !space.narrow() && !space.clear(c, {roomy, now.floor, now.self})) cost += params_.tight;
   for (int i = 0; i < joints; ++i) {
     const double room = std::min(limits_->upper[i] - c[3 + i], c[3 + i] - limits_->lower[i]);
     cost += params_.limit * std::max(0.0, 1.0 - room / (limits_->part[i] * params_.limit_room));

@@ -17,8 +17,7 @@ CollisionRows::CollisionRows(const RobotModel& model, const CollisionParams& par
       hand_(of_hand(model)),
       resting_(params.object),
       resting_of_arm_(params.object),
-      J_first_(3, model.num_velocities()),
-      J_second_(3, model.num_velocities()),
+      J_(3, model.num_velocities()),
       row_(model.num_velocities()),
       deceleration_(deceleration),
       uncertainty_(uncertainty) {}
@@ -75,11 +74,10 @@ void CollisionRows::select(std::span<const ProximityPair> pairs, std::span<const
     const double d = pairs[i].distance.d;
     if (d >= p.influence) continue;
     // A distance that is not a number must not be lost: it comes first, and the solver refuses its row.
-    keys_.push_back({std::isnan(d) ? -kInfinity : d - p.stop, static_cast<int>(i)});
+    keys_.emplace_back(std::isnan(d) ? -kInfinity : d - p.stop, i);
   }
-  std::sort(keys_.begin(), keys_.end(),
-            [](const Key& a, const Key& b) { return a.order < b.order || (a.order == b.order && a.index < b.index); });
-  for (const Key& key : keys_) sorted_.push_back(pairs[static_cast<std::size_t>(key.index)]);
+  std::ranges::sort(keys_);
+  for (const auto& [order, i] : keys_) sorted_.push_back(pairs[i]);
 }
 
 void CollisionRows::add(const Kinematics& kinematics, std::span<const ObjectState> states,
@@ -95,25 +93,13 @@ void CollisionRows::add(const Kinematics& kinematics, std::span<const ObjectStat
 bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states,
                          std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept {
   const Distance& distance = pair.distance;
-  const int first_link = model_->shape(pair.first).link;
-  kinematics.point_jacobian(first_link, distance.p_first_W, J_first_);
-  row_.noalias() = -J_first_.transpose() * distance.n_W;
-  if (pair.kind == PairKind::kSelf) {
-    const int second_link = model_->shape(pair.second).link;
-    kinematics.point_jacobian(second_link, distance.p_second_W, J_second_);
-    // n12 = -n_W points from the first link to the second.
-    row_.noalias() += J_second_.transpose() * distance.n_W;
-  }
+  approach_row(pair, kinematics, J_, row_);
   const ObjectState* object = pair.kind == PairKind::kObject ? &states[static_cast<std::size_t>(pair.second)] : nullptr;
   const bool unseen = object != nullptr && !object->seen;
   const bool moves = object != nullptr && in_motion(*object);
   const bool rests = object != nullptr && !moves;
   double d = distance.d;
-  if (uncertainty_.on() && !unseen) {
-    const auto second = static_cast<std::size_t>(pair.second);
-    d -= uncertainty_.margin(pair, kinematics, row_, object,
-                             object != nullptr && second < spreads.size() ? spreads[second] : PlaceSpread{});
-  }
+  if (uncertainty_.on() && !unseen) d -= uncertainty_.margin(pair, kinematics, row_, states, spreads);
   if (moves) d -= params_.moving_room;
   const bool of_hand = hand_[static_cast<std::size_t>(pair.first)] != 0;
   const DamperParams& row_damper = unseen  ? unseen_
@@ -130,20 +116,15 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
     limit = std::min(limit, most);
   }
   if (object != nullptr) {
-    const Vector3 arm = distance.p_second_W - object->X_WO.translation();
-    const Vector3 p_dot = object->V_WO_W.tail<3>() + object->V_WO_W.head<3>().cross(arm);
-    limit -= distance.n_W.dot(p_dot);
+    limit -= distance.n_W.dot(velocity_at(*object, distance.p_second_W));
   }
   // A NaN keeps the row, so that the solver's input check reports it.
   if (row_.cwiseAbs().maxCoeff() < kNoEffect) return false;
   const RowKind kind = pair.kind == PairKind::kFloor  ? RowKind::kFloor
                        : pair.kind == PairKind::kSelf ? RowKind::kSelf
                                                       : RowKind::kObject;
-  const int row = problem.append(
-      {kind, pair.first, pair.second, moves, distance.d, distance.p_first_W, distance.p_second_W}, -kInfinity, limit);
-  if (row < 0) return false;
-  problem.A.row(row).head(row_.size()) = row_.transpose();
-  return true;
+  return problem.append({kind, pair.first, pair.second, moves, distance.d, distance.p_first_W, distance.p_second_W},
+                        -kInfinity, limit, row_);
 }
 
 }  // namespace moma

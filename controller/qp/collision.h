@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "controller/model/kinematics.h"
@@ -57,10 +58,6 @@ class CollisionRows {
   int left_out() const noexcept { return left_out_; }
 
  private:
-  struct Key {
-    double order;
-    int index;
-  };
   const DamperParams& damper(PairKind kind) const noexcept;
   const DamperParams& damper(const ProximityPair& pair, std::span<const ObjectState> states) const noexcept;
   bool fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const ObjectState> states,
@@ -72,9 +69,9 @@ class CollisionRows {
   DamperParams resting_, resting_of_arm_;  // of hand and arm, for objects at rest
   DamperParams unseen_;
   const VectorX* path_velocities_ = nullptr;
-  std::vector<Key> keys_;
+  std::vector<std::pair<double, std::size_t>> keys_;  // of pairs: d - d_s and index
   std::vector<ProximityPair> sorted_;
-  Matrix3X J_first_, J_second_;
+  Matrix3X J_;
   VectorX row_;
   Deceleration deceleration_;
   Uncertainty uncertainty_;

@@ -102,35 +102,24 @@ void VelocityBounds::joint_limits(const Eigen::Ref<const VectorX>& q, Eigen::Ref
   for (int i = 0; i < static_cast<int>(q.size()); ++i) {
     const int v = base_dof_ + i;
     const double speed = speed_[v];
-    double low = -speed;
-    double high = speed;
-    // An infinite limit (a continuous joint, or one open on a side) gives infinite room and no bound.
-    const double above = q_upper_[i] - q[i];
-    const double below = q[i] - q_lower_[i];
-    const auto bound = [&](double up, double down) {
-      high = up;
-      low = -down;
-      if (low > high) low = high = 0.5 * (low + high);
-      high = std::min(std::max(high, -speed), speed);
-      low = std::min(std::max(low, -speed), speed);
+    const auto bound = [&](double room) {
+      switch (law_.method) {
+        case JointLimitMethod::kNone:
+          break;
+        case JointLimitMethod::kSource:
+          return source_bound(room, margin_[i], speed);
+        case JointLimitMethod::kDamper:
+          return damper_bound(room, law_, part_[i]);
+        case JointLimitMethod::kBraking:
+          return braking_bound(room, law_, part_[i], deceleration_[i] / hold, reaction);
+      }
+      return speed;
     };
-    switch (law_.method) {
-      case JointLimitMethod::kNone:
-        break;
-      case JointLimitMethod::kSource:
-        high = source_bound(above, margin_[i], speed);
-        low = -source_bound(below, margin_[i], speed);
-        break;
-      case JointLimitMethod::kDamper:
-        bound(damper_bound(above, law_, part_[i]), damper_bound(below, law_, part_[i]));
-        break;
-      case JointLimitMethod::kBraking:
-        bound(braking_bound(above, law_, part_[i], deceleration_[i] / hold, reaction),
-              braking_bound(below, law_, part_[i], deceleration_[i] / hold, reaction));
-        break;
-    }
-    lower[v] = low;
-    upper[v] = high;
+    // An infinite limit (a continuous joint, or one open on a side) gives infinite room and no bound.
+    double low = -bound(q[i] - q_lower_[i]), high = bound(q_upper_[i] - q[i]);
+    if (low > high) low = high = 0.5 * (low + high);
+    lower[v] = std::min(std::max(low, -speed), speed);
+    upper[v] = std::min(std::max(high, -speed), speed);
   }
 }
 
@@ -182,10 +171,7 @@ void add_drive_rows(const LinearPair& pair, QpProblem& problem) noexcept {
   for (int i = 0; i < 2; ++i) {
     const double y = i == 0 ? kHalf : -kHalf;
     const double now = kHalf * pair.velocity.x() + y * pair.velocity.y();
-    const int row = problem.append({RowKind::kDrive, i, -1}, now - pair.step, now + pair.step);
-    if (row < 0) return;
-    problem.A(row, 0) = kHalf;
-    problem.A(row, 1) = y;
+    problem.append({RowKind::kDrive, i, -1}, now - pair.step, now + pair.step, Vector2(kHalf, y));
   }
 }
 
@@ -219,10 +205,8 @@ void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept {
   const int wheels = num_wheels(base);
   const BaseKind& kind = kind_of(base.type);
   for (int i = 0; i < wheels; ++i) {
-    const int row = problem.append({RowKind::kWheel, i, -1}, -base.wheels->max_speed, base.wheels->max_speed);
-    if (row < 0) return;
     const Vector3 map = kind.wheel_row(*base.wheels, i);
-    for (int j = 0; j < kind.dof(); ++j) problem.A(row, j) = map[j];
+    problem.append({RowKind::kWheel, i, -1}, -base.wheels->max_speed, base.wheels->max_speed, map.head(kind.dof()));
   }
 }
 

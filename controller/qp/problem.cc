@@ -35,6 +35,12 @@ int QpProblem::append(const RowId& id, double lower, double upper) noexcept {
   return rows++;
 }
 
+bool QpProblem::append(const RowId& id, double lower, double upper, const Eigen::Ref<const VectorX>& row) noexcept {
+  const int at = append(id, lower, upper);
+  if (at >= 0) A.row(at).head(row.size()) = row.transpose();
+  return at >= 0;
+}
+
 double QpProblem::cost(const Eigen::Ref<const VectorX>& x) const noexcept {
   double sum = 0.0;
   for (int i = 0; i < n(); ++i) sum += (0.5 * H[i] * x[i] + g[i]) * x[i];

@@ -62,6 +62,8 @@ struct QpProblem {
   void clear() noexcept;
   /// Appends a zero row and returns its index, or -1 if the problem is full.
   int append(const RowId& id, double lower, double upper) noexcept;
+  /// Appends a row with these coefficients of the leading variables. False if the problem is full.
+  bool append(const RowId& id, double lower, double upper, const Eigen::Ref<const VectorX>& row) noexcept;
 
   /// True if x is at a limit of the row, to within kHeld.
   bool holds(int row, const Eigen::Ref<const VectorX>& x) const noexcept {

@@ -39,17 +39,11 @@ int SeparationRows::allocate(int num_objects) {
 double SeparationRows::fill(const Kinematics& kinematics, const ProximityPair& pair,
                             std::span<const PlaceSpread> spreads) noexcept {
   const Distance& distance = pair.distance;
-  const auto second = static_cast<std::size_t>(pair.second);
-  const ObjectState& object = moving_[second];
-  kinematics.point_jacobian(model_->shape(pair.first).link, distance.p_first_W, J_);
-  row_.noalias() = -J_.transpose() * distance.n_W;
-  const Vector3 arm = distance.p_second_W - object.X_WO.translation();
-  const Vector3 p_dot = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
-  const double v_H = std::max(params_.speed, distance.n_W.dot(p_dot));
+  const ObjectState& object = moving_[static_cast<std::size_t>(pair.second)];
+  approach_row(pair, kinematics, J_, row_);
+  const double v_H = std::max(params_.speed, distance.n_W.dot(velocity_at(object, distance.p_second_W)));
   double room = distance.d - params_.intrusion;
-  if (uncertainty_.on())
-    room -=
-        uncertainty_.margin(pair, kinematics, row_, &object, second < spreads.size() ? spreads[second] : PlaceSpread{});
+  if (uncertainty_.on()) room -= uncertainty_.margin(pair, kinematics, row_, moving_, spreads);
   return separation_speed(room, v_H, params_.share * deceleration_.along(row_), params_.reaction);
 }
 
@@ -68,20 +62,16 @@ void SeparationRows::add(const Kinematics& kinematics, Proximity& proximity, std
   for (std::size_t i = 0; i < pairs.size() && chosen_.size() < chosen_.capacity(); ++i) {
     const double speed = fill(kinematics, pairs[i], spreads);
     if (!(row_.cwiseAbs().maxCoeff() < kNoEffect) && !(row_.cwiseAbs().dot(most_) <= speed))
-      chosen_.push_back({speed, static_cast<int>(i)});
+      chosen_.emplace_back(speed, i);
   }
-  std::sort(chosen_.begin(), chosen_.end(), [](const SlowingPair& a, const SlowingPair& b) {
-    return a.speed < b.speed || (a.speed == b.speed && a.pair < b.pair);
-  });
+  std::ranges::sort(chosen_);
   const std::size_t kept = std::min(chosen_.size(), max_rows_);
   for (std::size_t k = 0; k < kept; ++k) {
-    const ProximityPair& pair = pairs[static_cast<std::size_t>(chosen_[k].pair)];
+    const ProximityPair& pair = pairs[chosen_[k].second];
     const double speed = fill(kinematics, pair, spreads);
-    const int row = problem.append({RowKind::kSeparation, pair.first, pair.second, true, pair.distance.d,
-                                    pair.distance.p_first_W, pair.distance.p_second_W},
-                                   -kInfinity, speed);
-    if (row < 0) return;
-    problem.A.row(row).head(row_.size()) = row_.transpose();
+    problem.append({RowKind::kSeparation, pair.first, pair.second, true, pair.distance.d, pair.distance.p_first_W,
+                    pair.distance.p_second_W},
+                   -kInfinity, speed, row_);
   }
 }
 

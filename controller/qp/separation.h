@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "controller/model/kinematics.h"
@@ -46,10 +47,6 @@ class SeparationRows {
            std::span<const PlaceSpread> spreads, QpProblem& problem) noexcept;
 
  private:
-  struct SlowingPair {
-    double speed;
-    int pair;
-  };
   double fill(const Kinematics& kinematics, const ProximityPair& pair, std::span<const PlaceSpread> spreads) noexcept;
 
   const RobotModel* model_;
@@ -60,7 +57,7 @@ class SeparationRows {
   Uncertainty uncertainty_;
   VectorX most_;  // largest values of all velocities
   std::vector<ObjectState> moving_;
-  std::vector<SlowingPair> chosen_;
+  std::vector<std::pair<double, std::size_t>> chosen_;  // remaining speeds and indices of pairs
   Matrix3X J_;
   VectorX row_;
 };

@@ -20,8 +20,7 @@ void UprightRow::add(const Situation& now, QpProblem& problem) noexcept {
   double limit = params_.gain * room;
   if (braking_.enabled && room > 0.0)
     limit = std::min(limit, stoppable_speed(room, braking_.share * deceleration_.along(row_), braking_.reaction));
-  const int row = problem.append({RowKind::kUpright, 0, -1}, -kInfinity, limit);
-  if (row >= 0) problem.A.row(row).head(row_.size()) = row_.transpose();
+  problem.append({RowKind::kUpright, 0, -1}, -kInfinity, limit, row_);
 }
 
 }  // namespace moma

@@ -29,6 +29,14 @@ class BaseRamp {
   };
   void set_shares(const Shares& shares) noexcept { shares_ = shares; }
 
+  /// The base's part of all velocities, and back.
+  Vector3 base_of(const VectorX& velocities) const noexcept {
+    Vector3 base = Vector3::Zero();
+    base.head(dof_) = velocities.head(dof_);
+    return base;
+  }
+  void set_base(const Vector3& base, VectorX& velocities) const noexcept { velocities.head(dof_) = base.head(dof_); }
+
   int dof() const noexcept { return dof_; }
 
  private:

@@ -75,19 +75,12 @@ void BrakeCheck::set_objects(std::span<const ObjectShape> objects) {
 
 // Range in which distances of this kind count; negative if none does.
 double BrakeCheck::range_of(PairKind kind) const noexcept {
-  switch (kind) {
-    case PairKind::kObject:
-      break;
-    case PairKind::kFloor:
-      return own_.floor > 0.0 ? own_.floor : -1.0;
-    case PairKind::kSelf:
-      return own_.self > 0.0 ? own_.self : -1.0;
-  }
-  return params_.margin + widest_;
+  if (kind == PairKind::kObject) return params_.margin + widest_;
+  return own_.of(kind) > 0.0 ? own_.of(kind) : -1.0;
 }
 
 // Stores bounds from the known pairs. Pairs that are not among them are infinitely far.
-void BrakeCheck::begin(const Observation& o, const Known& known) noexcept {
+void BrakeCheck::begin(const Observation& o, const KnownPairs& known) noexcept {
   start_ = known.kinematics;
   if (start_ == nullptr) {
     own_start_.place(o.base, o.q);
@@ -287,15 +280,11 @@ double BrakeCheck::distance() noexcept {
 // Returns the distance required in addition to the margin; negative for floor and self, which have their own margins.
 // At the present kinematics_.
 double BrakeCheck::margin_of(const ProximityPair& pair) noexcept {
-  if (pair.kind == PairKind::kFloor) return own_.floor - params_.margin;
-  if (pair.kind == PairKind::kSelf) return own_.self - params_.margin;
+  if (pair.kind != PairKind::kObject) return own_.of(pair.kind) - params_.margin;
   if (!states_[static_cast<std::size_t>(pair.second)].seen) return unseen_ - params_.margin;
   if (!uncertainty_.on()) return 0.0;
-  const auto second = static_cast<std::size_t>(pair.second);
-  kinematics_.point_jacobian(model_->shape(pair.first).link, pair.distance.p_first_W, J_);
-  row_.noalias() = -J_.transpose() * pair.distance.n_W;
-  return uncertainty_.margin(pair, kinematics_, row_, &states_[second],
-                             second < spreads_.size() ? spreads_[second] : PlaceSpread{});
+  approach_row(pair, kinematics_, J_, row_);
+  return uncertainty_.margin(pair, kinematics_, row_, states_, spreads_);
 }
 
 double BrakeCheck::widest_margin(const Observation& o) noexcept {
@@ -322,13 +311,8 @@ double BrakeCheck::way_to_stop(const Observation& o, const VectorX& command, boo
   if (in_proportion) times_.setConstant(last);
   // While the command acts, the base ramps to the command.
   mean_ = command;
-  Vector3 velocity = Vector3::Zero(), wanted = Vector3::Zero();
-  for (int i = 0; i < ramp_.dof(); ++i) {
-    velocity[i] = o.qdot[i];
-    wanted[i] = command[i];
-  }
-  const Vector3 ramped = ramp_.follow(wanted, hold_, velocity);
-  for (int i = 0; i < ramp_.dof(); ++i) mean_[i] = ramped[i];
+  Vector3 velocity = ramp_.base_of(o.qdot);
+  ramp_.set_base(ramp_.follow(ramp_.base_of(command), hold_, velocity), mean_);
   whole_ = hold_ * mean_.cwiseAbs() + 0.5 * command.cwiseAbs().cwiseProduct(times_);
   ways_.limit(whole_);
   choose_candidates();
@@ -369,7 +353,7 @@ double BrakeCheck::clearance(const Observation& o, const VectorX& command, doubl
 }
 
 double BrakeCheck::apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads,
-                         VectorX& command, const Known& known) noexcept {
+                         VectorX& command, const KnownPairs& known) noexcept {
   spreads_ = spreads;
   for (std::size_t i = 0; i < states_.size(); ++i) {
     states_[i] = o.objects[i];

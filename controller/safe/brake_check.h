@@ -20,9 +20,19 @@ namespace moma {
 struct OwnMargins {
   double floor = 0.0;
   double self = 0.0;
+
+  double of(PairKind kind) const noexcept { return kind == PairKind::kFloor ? floor : self; }
 };
 /// Returns this share of the stop distances of floor rows and self rows.
 OwnMargins own_margins(const DamperParams& floor, const DamperParams& self, double share) noexcept;
+
+/// Known pairs of the state in which a command begins to act: near pairs, the ranges within which all pairs are
+/// included (negative for an unknown kind), and the robot's kinematics there, or null.
+struct KnownPairs {
+  std::span<const ProximityPair> pairs;
+  ProximityRanges ranges{-1.0, -1.0, -1.0};
+  const Kinematics* kinematics = nullptr;
+};
 
 /// The check ahead of a command: simulates the robot that follows the command for one period (or the time of
 /// set_execution()) and then brakes. There are two ways of braking: (a) all velocities in proportion, in the time that
@@ -66,21 +76,10 @@ class BrakeCheck {
     const VectorX& upper;
     const VectorX& slowest;  ///< the smallest command in the box
   };
-  /// Known pairs of the state in which the command begins to act: near pairs, the ranges within which all pairs are
-  /// included (negative for an unknown kind), and the robot's kinematics there, or null.
-  struct Known {
-    std::span<const ProximityPair> pairs;
-    ProximityRanges ranges{-1.0, -1.0, -1.0};
-    const Kinematics* kinematics = nullptr;
-  };
   /// `o`: state in which the command begins to act. Returns the kept share of `command`, 1 if it passes. `spreads`: of
   /// the objects' positions, empty if they are exact.
   double apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads, VectorX& command,
-               const Known& known) noexcept;
-  double apply(const Observation& o, const Allowed& allowed, std::span<const PlaceSpread> spreads,
-               VectorX& command) noexcept {
-    return apply(o, allowed, spreads, command, Known{});
-  }
+               const KnownPairs& known = {}) noexcept;
 
   /// Least distance to objects at rest on the braking trajectory if it is below the margin, else infinity. Distances to
   /// the floor and to itself count with the difference of the margins added. Objects are those of the last apply().
@@ -100,7 +99,7 @@ class BrakeCheck {
     double least_room;
   };
 
-  void begin(const Observation& o, const Known& known) noexcept;
+  void begin(const Observation& o, const KnownPairs& known) noexcept;
   void choose_candidates() noexcept;
   double object_bound(int shape, int object) noexcept;
   double range_of(PairKind kind) const noexcept;

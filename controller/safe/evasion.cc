@@ -65,13 +65,6 @@ void Evasion::set_objects(std::span<const ObjectShape> objects) {
   for (const ObjectShape& object : objects) radii_.push_back(bounding_radius(object.shape));
 }
 
-// The base's part of all velocities.
-Vector3 Evasion::leading(const VectorX& velocities) const noexcept {
-  Vector3 out = Vector3::Zero();
-  for (int i = 0; i < ramp_.dof(); ++i) out[i] = velocities[i];
-  return out;
-}
-
 // Largest distance of the robot's solids from the base's origin until the arm has stopped.
 double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
   kinematics_.place(o.base, o.q);
@@ -107,9 +100,7 @@ void Evasion::look(double range, double& moving, double& resting) noexcept {
 
 // Moves the base towards its target, the arm by qdot_, and objects by their twists.
 void Evasion::drive(const Vector3& target, double dt) noexcept {
-  const Vector3 ramped = ramp_.follow(target, dt, velocity_);
-  const int dof = ramp_.dof();
-  for (int i = 0; i < dof; ++i) mean_[i] = ramped[i];
+  ramp_.set_base(ramp_.follow(target, dt, velocity_), mean_);
   integrate(*model_, base_, q_, mean_, dt);
   for (ObjectState& object : states_)
     if (object.visible && in_motion(object)) object.X_WO.translation() += dt * object.V_WO_W.tail<3>();
@@ -118,7 +109,7 @@ void Evasion::drive(const Vector3& target, double dt) noexcept {
 void Evasion::begin(const Observation& o) noexcept {
   base_ = o.base;
   q_ = o.q;
-  velocity_ = leading(o.qdot);
+  velocity_ = ramp_.base_of(o.qdot);
   qdot_ = o.qdot.tail(q_.size());
   std::copy(o.objects.begin(), o.objects.end(), states_.begin());
 }
@@ -142,7 +133,7 @@ bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vecto
   begin(o);
   qdot_ = command.tail(q_.size());
   mean_.tail(q_.size()) = qdot_;
-  drive(leading(command), dt_);
+  drive(ramp_.base_of(command), dt_);
   double t = dt_;
   while (t < params_.horizon) {
     go_on(target);
@@ -185,8 +176,7 @@ double Evasion::worth(const Observation& o, const Vector3& target, double range)
 
 bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base) noexcept {
   tried_ = 0;
-  const int dof = ramp_.dof();
-  if (dof == 0 || velocities_.empty()) return true;
+  if (velocities_.empty()) return true;
   if (!std::any_of(o.objects.begin(), o.objects.end(),
                    [](const ObjectState& object) { return object.visible && in_motion(object); }))
     return true;
@@ -197,7 +187,7 @@ bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base
   need_moving_ = std::min(params_.margin, need_moving_);
   need_resting_ = std::min(params_.at_rest, need_resting_);
 
-  const Vector3 stop = Vector3::Zero(), held = leading(command);
+  const Vector3 stop = Vector3::Zero(), held = ramp_.base_of(command);
   if (is_clear(o, command, held, range) || is_clear(o, command, stop, range)) return true;
   for (const Vector3& target : velocities_)
     if (is_clear(o, command, target, range)) return true;
@@ -209,8 +199,7 @@ bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base
     best = value;
     chosen = target;
   }
-  const Vector3 next = ramp_.limited(chosen, leading(o.qdot), share_, dt_);
-  for (int i = 0; i < dof; ++i) base[i] = next[i];
+  ramp_.set_base(ramp_.limited(chosen, ramp_.base_of(o.qdot), share_, dt_), base);
   return false;
 }
 

@@ -48,7 +48,6 @@ class Evasion {
   double reach(const Observation& o, const VectorX& command) noexcept;
   void look(double range, double& moving, double& resting) noexcept;
   void drive(const Vector3& target, double dt) noexcept;
-  Vector3 leading(const VectorX& velocities) const noexcept;
   void begin(const Observation& o) noexcept;
   void go_on(const Vector3& target) noexcept;
   bool is_clear(const Observation& o, const VectorX& command, const Vector3& target, double range) noexcept;

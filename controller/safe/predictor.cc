@@ -42,13 +42,6 @@ MotionThreshold motion_threshold(const UncertaintyParams& u, double quantile) no
 
 std::size_t at(int age) noexcept { return static_cast<std::size_t>(age); }
 
-// The base's command sent `age` periods before the latest.
-Vector3 sent_to_base(const PredictionMemory& memory, int age, int base_dof) noexcept {
-  Vector3 command = Vector3::Zero();
-  command.head(base_dof) = memory.sent[at(age)].head(base_dof);
-  return command;
-}
-
 // Makes the oldest entry the latest, to be overwritten.
 template <class T>
 T& shifted(std::vector<T>& latest_first) noexcept {
@@ -101,25 +94,16 @@ void Predictor::reset(std::span<const ObjectShape> objects, std::size_t more) {
   object_memory_.set_objects(objects);
   const std::size_t num_objects = objects.size();
   PredictionMemory& m = memory_;
+  m = {};
   const int nv = base_dof_ + num_joints_;
   m.computed.assign(at(periods_), VectorX::Zero(nv));
   m.sent.assign(at(periods_), VectorX::Zero(nv));
   m.base_velocity.assign(at(periods_), Vector3::Zero());
-  m.time = -1.0;
-  m.hold = 1.0;
-  m.begun = false;
-  m.catching_up = false;
-  m.base.setZero();
   const int pairs = tried_ * kNumDrives;
   m.base_trip = {base_dof_ > 0 ? whole_periods(params_.base_drive, dt_) + base_age_ : 0, VectorX::Zero(pairs)};
   m.joint_trip = {whole_periods(params_.joint_drive, dt_) + joint_age_, VectorX::Zero(tried_)};
-  m.drive = 0;
-  m.slowing = 1.0;
   m.driven.assign(at(pairs), Vector3::Zero());
-  m.gain_measured.setZero();
-  m.gain_commanded.setZero();
   m.objects.assign(num_objects, PoseTrack{});
-  m.goal = {};
   out_.objects.assign(num_objects + more, ObjectState{});
   out_.qdot.setZero();
   spreads_.assign(uncertainty_.on() ? num_objects : 0, PlaceSpread{});
@@ -147,16 +131,11 @@ BaseRamp::Shares Predictor::drive() const noexcept { return {kDrives[at(memory_.
 
 const Vector3& Predictor::driven(int drive, int age) const noexcept { return memory_.driven[at(drive * tried_ + age)]; }
 
-// The base's command that is measured next.
-Vector3 Predictor::arriving_command() const noexcept {
-  return sent_to_base(memory_, memory_.base_trip.periods, base_dof_);
-}
-
 // Advances the base's velocity by the period in which the command sent last acts, for each drive.
 void Predictor::follow_drives() noexcept {
   if (!params_.identify || base_dof_ == 0) return;
   PredictionMemory& m = memory_;
-  const Vector3 command = gains().cwiseProduct(sent_to_base(m, 0, base_dof_));
+  const Vector3 command = gains().cwiseProduct(ramp_.base_of(m.sent.front()));
   BaseRamp ramp = ramp_;
   for (int i = 0; i < kNumDrives; ++i) {
     ramp.set_shares(kDrives[at(i)]);
@@ -193,8 +172,9 @@ bool Predictor::identify_base(const Observation& o) noexcept {
 }
 
 // While a drive speeds up or slows down, its velocity tells nothing of its gain.
-void Predictor::identify_gains(const Observation& o, const Vector3& command) noexcept {
+void Predictor::identify_gains(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
+  const Vector3 command = ramp_.base_of(m.sent[at(m.base_trip.periods)]);
   const Vector3 follows = gains().cwiseProduct(command) - driven(m.drive, m.base_trip.periods);
   if (gain_prior_ == 0.0 || follows.cwiseAbs().maxCoeff() > kFollows) return;
   const double kept = 1.0 - std::min(1.0, dt_ / params_.estimation.gain_forget);
@@ -224,7 +204,7 @@ void Predictor::identify(const Observation& o) noexcept {
   m.joint_trip.periods = joint_trip;
   if (base_dof_ > 0) {
     if (identify_base(o)) changed = true;
-    identify_gains(o, arriving_command());
+    identify_gains(o);
   }
   if (!changed) return;
   const int waited = hold_joints_;
@@ -235,7 +215,7 @@ void Predictor::identify(const Observation& o) noexcept {
 // Returns the mean velocity of the base in the period in which the command sent `age` periods before the latest acts.
 Vector3 Predictor::mean_velocity(int age) const noexcept {
   Vector3 velocity = memory_.base_velocity[at(age + 1)];
-  return ramp_.follow(gains().cwiseProduct(sent_to_base(memory_, age, base_dof_)), dt_, velocity);
+  return ramp_.follow(gains().cwiseProduct(ramp_.base_of(memory_.sent[at(age)])), dt_, velocity);
 }
 
 const Observation& Predictor::predict(const Observation& o) noexcept {
@@ -285,7 +265,7 @@ void Predictor::miss_steps(double time) noexcept {
     repeat(m.sent);
     follow_drives();
     Vector3 velocity = m.base_velocity.front();
-    ramp_.follow(gains().cwiseProduct(sent_to_base(m, 0, base_dof_)), dt_, velocity);
+    ramp_.follow(gains().cwiseProduct(ramp_.base_of(m.sent.front())), dt_, velocity);
     shifted(m.base_velocity) = velocity;
   }
   if (missed > 0.0) m.time = time;  // skip() advanced it
@@ -354,23 +334,16 @@ void Predictor::predict_base() noexcept {
   out_.base = m.base;
   for (int age = m.base_trip.periods - 1; age >= 0; --age) move(*model_, out_.base, mean_velocity(age), dt_);
   Vector3 velocity = m.base_velocity.front();
-  for (int age = hold_base_ - 1; age >= 0; --age) {
-    Vector3 command = Vector3::Zero();
-    for (int i = 0; i < base_dof_; ++i) command[i] = m.computed[at(age)][i];
-    move(*model_, out_.base, ramp_.follow(command, dt_, velocity), dt_);
-  }
+  for (int age = hold_base_ - 1; age >= 0; --age)
+    move(*model_, out_.base, ramp_.follow(ramp_.base_of(m.computed[at(age)]), dt_, velocity), dt_);
 }
 
 void Predictor::predict_velocity() noexcept {
   const PredictionMemory& m = memory_;
   Vector3 velocity = m.base_velocity.front();
-  for (int age = hold_base_ - 1; age >= 0; --age) {
-    Vector3 command = Vector3::Zero();
-    for (int i = 0; i < base_dof_; ++i) command[i] = m.computed[at(age)][i];
-    ramp_.follow(command, dt_, velocity);
-  }
+  for (int age = hold_base_ - 1; age >= 0; --age) ramp_.follow(ramp_.base_of(m.computed[at(age)]), dt_, velocity);
   out_.qdot = m.computed.front();
-  for (int i = 0; i < base_dof_; ++i) out_.qdot[i] = velocity[i];
+  ramp_.set_base(velocity, out_.qdot);
 }
 
 void Predictor::skip() noexcept {
@@ -387,14 +360,11 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
   shifted(m.computed) = command;
   for (int i = 0; i < base_dof_ + num_joints_; ++i)
     sent[i] = m.computed[at(i < base_dof_ ? hold_base_ : hold_joints_)][i];
-  Vector3 base = Vector3::Zero(), before = Vector3::Zero(), velocity = m.base_velocity.front();
+  Vector3 base = ramp_.base_of(sent), velocity = m.base_velocity.front();
   const Vector3 gain = gains();
-  for (int i = 0; i < base_dof_; ++i) {
-    base[i] = gain_prior_ > 0.0 ? std::clamp(sent[i] / gain[i], -base_speed_[i], base_speed_[i]) : sent[i];
-    before[i] = m.sent.front()[i];
-  }
-  if (base_share_ > 0.0) base = ramp_.limited(base, before, base_share_, dt_);
-  for (int i = 0; i < base_dof_; ++i) sent[i] = base[i];
+  if (gain_prior_ > 0.0) base = base.cwiseQuotient(gain).cwiseMax(-base_speed_).cwiseMin(base_speed_);
+  if (base_share_ > 0.0) base = ramp_.limited(base, ramp_.base_of(m.sent.front()), base_share_, dt_);
+  ramp_.set_base(base, sent);
   // After a shorter wait commands are skipped: joints make the skipped changes as fast as their limits allow.
   if (m.catching_up) {
     m.catching_up = false;
@@ -416,28 +386,27 @@ std::string prediction_mismatch(const PredictionMemory& memory, const RobotModel
   Predictor fresh(model, params.prediction, params.uncertainty, params.base_share, control_period);
   fresh.reset(std::vector<ObjectShape>(objects));
   const PredictionMemory& wanted = fresh.memory();
-  const auto count = [](std::string_view key, std::size_t found, std::size_t expected) {
-    return found == expected ? std::string()
-                             : std::string(key) + " has " + std::to_string(found) + " entries, expected " +
-                                   std::to_string(expected) + " for this robot, controller and objects";
+  std::string wrong;
+  const auto count = [&wrong](std::string_view key, const auto& found, const auto& expected) {
+    if (wrong.empty() && found.size() != expected.size())
+      wrong = std::string(key) + " has " + std::to_string(found.size()) + " entries, expected " +
+              std::to_string(expected.size()) + " for this robot, controller and objects";
   };
-  const auto size = [](const VectorX& v) { return static_cast<std::size_t>(v.size()); };
-  std::string wrong = count("computed", memory.computed.size(), wanted.computed.size());
-  if (wrong.empty()) wrong = count("sent", memory.sent.size(), wanted.sent.size());
-  if (wrong.empty()) wrong = count("base_velocity", memory.base_velocity.size(), wanted.base_velocity.size());
-  if (wrong.empty()) wrong = count("driven", memory.driven.size(), wanted.driven.size());
   const auto index = [&wrong](std::string_view key, int found, auto last) {
     if (wrong.empty() && !(found >= 0 && found <= static_cast<int>(last)))
       wrong = std::string(key) + " is " + std::to_string(found) + ", expected 0 to " + std::to_string(last);
   };
+  count("computed", memory.computed, wanted.computed);
+  count("sent", memory.sent, wanted.sent);
+  count("base_velocity", memory.base_velocity, wanted.base_velocity);
+  count("driven", memory.driven, wanted.driven);
   index("drive", memory.drive, kNumDrives - 1);
-  if (wrong.empty()) wrong = count("objects", memory.objects.size(), wanted.objects.size());
+  count("objects", memory.objects, wanted.objects);
   for (const auto* commands : {&memory.computed, &memory.sent})
-    for (const VectorX& u : *commands)
-      if (wrong.empty()) wrong = count("each command", size(u), size(wanted.sent.front()));
+    for (const VectorX& u : *commands) count("each command", u, wanted.sent.front());
   for (const auto trip : {&PredictionMemory::base_trip, &PredictionMemory::joint_trip}) {
-    if (wrong.empty()) wrong = count("misfit", size((memory.*trip).misfit), size((wanted.*trip).misfit));
-    index("periods", (memory.*trip).periods, size(wanted.joint_trip.misfit) - 1);
+    count("misfit", (memory.*trip).misfit, (wanted.*trip).misfit);
+    index("periods", (memory.*trip).periods, wanted.joint_trip.misfit.size() - 1);
   }
   return wrong;
 }

@@ -95,11 +95,10 @@ class Predictor {
   void miss_steps(double time) noexcept;
   void synchronise() noexcept;
   void identify(const Observation& o) noexcept;
-  Vector3 arriving_command() const noexcept;
   void follow_drives() noexcept;
   const Vector3& driven(int drive, int age) const noexcept;
   bool identify_base(const Observation& o) noexcept;
-  void identify_gains(const Observation& o, const Vector3& command) noexcept;
+  void identify_gains(const Observation& o) noexcept;
   Vector3 gains() const noexcept;
   void correct_velocity(const Observation& o) noexcept;
   void correct_base(const Vector3& measured) noexcept;

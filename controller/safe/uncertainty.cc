@@ -48,15 +48,16 @@ PlaceSpread Uncertainty::spread(const PoseTrack& track, double lateness) const n
 }
 
 double Uncertainty::margin(const ProximityPair& pair, const Kinematics& kinematics,
-                           const Eigen::Ref<const VectorX>& row, const ObjectState* object,
-                           const PlaceSpread& spread) const noexcept {
+                           const Eigen::Ref<const VectorX>& row, std::span<const ObjectState> states,
+                           std::span<const PlaceSpread> spreads) const noexcept {
   const UncertaintyParams& u = params_;
   const Vector3& n = pair.distance.n_W;
   double variance = 0.0;
-  if (object != nullptr) {
-    const Vector3& p = pair.distance.p_second_W;
-    variance +=
-        square(spread.position) + (p - object->X_WO.translation()).cross(n).squaredNorm() * square(spread.rotation);
+  if (pair.kind == PairKind::kObject) {
+    const auto object = static_cast<std::size_t>(pair.second);
+    const PlaceSpread spread = object < spreads.size() ? spreads[object] : PlaceSpread{};
+    const Vector3 &p = pair.distance.p_second_W, &p_WO = states[object].X_WO.translation();
+    variance += square(spread.position) + (p - p_WO).cross(n).squaredNorm() * square(spread.rotation);
     if (spread.stated) variance += std::max(0.0, n.dot(spread.P_W * n));
     if (base_dof_ > 0) {
       const Vector3 arm = p - kinematics.X_WB().translation();
@@ -66,6 +67,16 @@ double Uncertainty::margin(const ProximityPair& pair, const Kinematics& kinemati
   }
   for (Eigen::Index i = base_dof_; i < row.size(); ++i) variance += square(row[i] * u.joints);
   return z_ * std::sqrt(variance);
+}
+
+void approach_row(const ProximityPair& pair, const Kinematics& kinematics, Matrix3X& J, VectorX& row) noexcept {
+  const RobotModel& model = kinematics.model();
+  kinematics.point_jacobian(model.shape(pair.first).link, pair.distance.p_first_W, J);
+  row.noalias() = -J.transpose() * pair.distance.n_W;
+  if (pair.kind != PairKind::kSelf) return;
+  // n12 = -n_W points from the first link to the second.
+  kinematics.point_jacobian(model.shape(pair.second).link, pair.distance.p_second_W, J);
+  row.noalias() += J.transpose() * pair.distance.n_W;
 }
 
 }  // namespace moma

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "controller/model/kinematics.h"
 #include "controller/model/proximity.h"
 #include "controller/safe/params.h"
@@ -42,15 +44,25 @@ class Uncertainty {
   /// object its velocity's noise over that time, or a tracker's covariances; plus the growth while it is out of sight.
   PlaceSpread spread(const PoseTrack& track, double lateness) const noexcept;
 
-  /// Returns z standard deviations of a pair's distance. `row` has the coefficients of its row; `object` is null for a
-  /// pair without one.
+  /// Returns z standard deviations of a pair's distance. `row` has the coefficients of its row; `states` and `spreads`
+  /// are those of all objects, `spreads` empty if places are exact.
   double margin(const ProximityPair& pair, const Kinematics& kinematics, const Eigen::Ref<const VectorX>& row,
-                const ObjectState* object, const PlaceSpread& spread) const noexcept;
+                std::span<const ObjectState> states, std::span<const PlaceSpread> spreads) const noexcept;
 
  private:
   UncertaintyParams params_;
   int base_dof_;
   double z_;
 };
+
+/// Writes the row of a pair: its product with the velocities is the rate at which the robot's motion shrinks the
+/// distance. `J` is scratch.
+void approach_row(const ProximityPair& pair, const Kinematics& kinematics, Matrix3X& J, VectorX& row) noexcept;
+
+/// Returns the velocity of an object's point that is now at p_W.
+inline Vector3 velocity_at(const ObjectState& object, const Vector3& p_W) noexcept {
+  const Vector3 arm = p_W - object.X_WO.translation();
+  return object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
+}
 
 }  // namespace moma

@@ -73,7 +73,7 @@ TEST(Uncertainty, MarginsAreTheSpreadOfDistancesThatAreOff) {
       Matrix3X J(3, model->num_velocities());
       kinematics.point_jacobian(link.link, pair.distance.p_first_W, J);
       const VectorX row = -J.transpose() * pair.distance.n_W;
-      const double margin = uncertainty.margin(pair, kinematics, row, &o.objects[0], spread);
+      const double margin = uncertainty.margin(pair, kinematics, row, o.objects, {&spread, 1});
       double sum = 0.0, squares = 0.0;
       constexpr int kDraws = 3000;
       Kinematics off(model);
@@ -165,18 +165,20 @@ TEST(Covariance, IsTheMarginOfADistance) {
   kinematics.update(Vector3::Zero(), model->ready);
   const VectorX row = VectorX::Zero(model->num_velocities());
   PoseTrack track;
+  const auto margin = [&] {
+    const PlaceSpread spread = uncertainty.spread(track, 0.5);
+    return uncertainty.margin(pair, kinematics, row, {&object, 1}, {&spread, 1});
+  };
   track.seen = 3;
   track.stated = true;
   track.position_covariance << 4e-4, 1e-4, 0.0, 1e-4, 9e-4, 0.0, 0.0, 0.0, 1.0;
   // 0.36 * 4e-4 + 0.64 * 9e-4 + 2 * 0.48 * 1e-4 = 8.16e-4
-  EXPECT_NEAR(uncertainty.margin(pair, kinematics, row, &object, uncertainty.spread(track, 0.5)),
-              1.959963984540054 * 0.0285657137141714, 1e-12);
+  EXPECT_NEAR(margin(), 1.959963984540054 * 0.0285657137141714, 1e-12);
   // 0.25 * 0.36 * 0.01 = 9e-4 more, half a second later
   track.velocity_covariance[0] = 0.01;
-  EXPECT_NEAR(uncertainty.margin(pair, kinematics, row, &object, uncertainty.spread(track, 0.5)),
-              1.959963984540054 * 0.0414246303544015, 1e-12);
+  EXPECT_NEAR(margin(), 1.959963984540054 * 0.0414246303544015, 1e-12);
   track.stated = false;
-  EXPECT_GT(uncertainty.margin(pair, kinematics, row, &object, uncertainty.spread(track, 0.5)), 1.0);
+  EXPECT_GT(margin(), 1.0);
 }
 
 TEST(Covariance, MoreOfItIsNeverLessOfAMargin) {
@@ -213,7 +215,8 @@ TEST(Covariance, MoreOfItIsNeverLessOfAMargin) {
       rested += moved && !track.moving ? 1 : 0;
       EXPECT_TRUE(moved || !track.moving) << "what seemed at rest moves for being known less well";
       moved = track.moving;
-      const double margin = uncertainty.margin(pair, kinematics, row, &object, uncertainty.spread(track, 0.3));
+      const PlaceSpread spread = uncertainty.spread(track, 0.3);
+      const double margin = uncertainty.margin(pair, kinematics, row, {&object, 1}, {&spread, 1});
       EXPECT_GE(margin, last) << trial << " " << k;
       grown += margin > last + 1e-6 ? 1 : 0;
       last = margin;
