@@ -127,8 +127,8 @@ constexpr void describe(auto& v, Of<PostureParams>) {
 constexpr void describe(auto& v, Of<UprightParams>) {
   using T = UprightParams;
   v.member("gain", &T::gain, positive("1/s", "rate of tilting per angle that is left"));
-  v.member("margin", &T::margin, in_range({0.0, 1.0}, "1", "share of the angle that the row keeps from its end"));
-  v.member("plan", &T::plan, in_range({0.0, 1.0, true, false}, "1", "share of the angle that plans use"));
+  v.member("margin", &T::margin, share("share of the angle that the row keeps from its end"));
+  v.member("plan", &T::plan, positive_share("share of the angle that plans use"));
 }
 
 constexpr void describe(auto& v, Of<EscapeParams>) {
@@ -215,13 +215,11 @@ constexpr void describe(auto& v, Of<ControllerParams>) {
               .text = "acceleration limit of each velocity; default .inf"});
     g.member("base", &T::base_share,
              unless_default(
-                 in_range({0.0, 1.0}, "1",
-                          "share of the robot's base.max_acceleration as a bound in every stage; 0: `acceleration`")));
+                 share("share of the robot's base.max_acceleration as a bound in every stage; 0: `acceleration`")));
     g.member("joints", &T::joint_share,
-             unless_default(in_range(
-                 {0.0, 1.0}, "1",
-                 "share of a joint's own acceleration as its limit if the robot file has it (`arm.limits`), else "
-                 "and at 0 `acceleration`")));
+             unless_default(
+                 share("share of a joint's own acceleration as its limit if the robot file has it (`arm.limits`), else "
+                       "and at 0 `acceleration`")));
     g.optional("sight", &T::sight, &SightParams::enabled, Off::kOmitted,
                "bound on the base's speed: it can stop in front of objects that come into sight");
   });

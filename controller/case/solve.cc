@@ -1,7 +1,5 @@
 #include "controller/case/solve.h"
 
-#include <cmath>
-
 #include "controller/case/case_step.h"
 #include "controller/case/plan_case.h"
 #include "controller/config/write_described.h"

@@ -104,6 +104,9 @@ constexpr About positive(std::string_view unit, std::string_view text) {
 constexpr About non_negative(std::string_view unit, std::string_view text) {
   return in_range(Range::non_negative(), unit, text);
 }
+/// A share: a number from 0 to 1, and one that is not 0.
+constexpr About share(std::string_view text) { return in_range({0.0, 1.0}, "1", text); }
+constexpr About positive_share(std::string_view text) { return in_range({0.0, 1.0, true}, "1", text); }
 /// A member that is written only if it differs from its default: one added after the first stores (Written).
 constexpr About unless_default(About about) {
   about.written = Written::kUnlessDefault;

@@ -86,7 +86,7 @@ KeptDistance Lookahead::keeps() const noexcept {
     return {part * path.kept_at_goal, part * slope_, (path.meets ? path.X_WG : state_.X_WG).translation(),
             part * path.clearance};
   if (path.clearance >= params_.clearance) return {};
-  return {.most = std::max(path.clearance, params_.search.tight * params_.clearance)};
+  return {.most = std::max(path.clearance, params_.tight())};
 }
 
 std::int64_t Lookahead::periods(double seconds) const noexcept { return std::llround(seconds / dt_); }

@@ -1,8 +1,6 @@
 // Towards a goal that need not be stopped at: the path on to the next goal, and ways that pass the goal in motion.
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "controller/lookahead/lookahead.h"
 

@@ -71,11 +71,8 @@ class Rollout {
   /// Time since its start [s].
   double time() const noexcept { return time_; }
   double period() const noexcept { return period_; }
-  /// Present state, and the last step's result.
+  /// Present state.
   const Observation& state() const noexcept { return state_; }
-  const StepResult& result() const noexcept { return result_; }
-  const ControllerCore& policy() const noexcept { return policy_; }
-  ControllerCore& policy() noexcept { return policy_; }
 
  private:
   std::shared_ptr<const RobotModel> model_;

@@ -1,10 +1,8 @@
 #include "controller/plan/configuration.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "controller/map/gaze.h"
-#include "controller/model/robot_model.h"
 #include "controller/safe/braking.h"
 
 namespace moma {
@@ -43,15 +41,8 @@ double wheels_part(const MobileBase& base) {
 }  // namespace
 
 MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& params)
-    : base(&kind_of(model.base.type)),
-      lower(model.num_joints()),
-      upper(model.num_joints()),
-      margin(model.num_joints()),
-      part(model.num_joints()),
-      winds(model.num_joints()),
-      joint_speed(model.num_joints()),
-      joint_acceleration(model.num_joints()),
-      lever(model.num_joints()) {
+    : base(&kind_of(model.base.type)), winds(model.num_joints()) {
+  lower = upper = margin = part = joint_speed = joint_acceleration = lever = VectorX::Zero(model.num_joints());
   const PlanParams& plan = params.plan;
   const int first = model.base_dof();
   for (int i = 0; i < model.num_joints(); ++i) {
@@ -82,6 +73,11 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
   }
   linear_acceleration = plan.acceleration * a_linear;
   angular_acceleration = plan.acceleration * a_angular;
+}
+
+double MotionLimits::travel(const WholeConfiguration& change) const noexcept {
+  const WholeConfiguration way = change.cwiseAbs();
+  return way.head<2>().norm() + base_lever * way[2] + way.tail(num_joints()).dot(lever);
 }
 
 double MotionLimits::distance_squared(const Eigen::Ref<const VectorX>& a, const WholeConfiguration& b) const noexcept {

@@ -14,6 +14,9 @@ namespace moma {
 /// values never allocates.
 using WholeConfiguration = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + kMaxJoints, 1>;
 
+/// Of a base that moves freely in the plane and the joints (free_jacobian()).
+using WholeJacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 + kMaxJoints>;
+
 inline constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
 /// A place and its velocity in W.
@@ -54,6 +57,9 @@ struct MotionLimits {
   /// half of the typical travel that each joint causes, by `lever`. A turn of the wrist moves little, so that it hardly
   /// counts.
   double distance_squared(const Eigen::Ref<const VectorX>& a, const WholeConfiguration& b) const noexcept;
+
+  /// Returns the approximate travel of the robot's farthest point as the configuration changes by so much [m].
+  double travel(const WholeConfiguration& change) const noexcept;
 
   int num_joints() const noexcept { return static_cast<int>(lower.size()); }
   bool mobile() const noexcept { return base->dof() > 0; }

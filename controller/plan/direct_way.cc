@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 namespace moma {
 namespace {
@@ -132,10 +131,7 @@ void DirectWay::work() noexcept {
         return;
       }
       seed(end);
-      if (make(end))
-        ends_.insert(std::upper_bound(ends_.begin(), ends_.end(), end,
-                                      [](const End& a, const End& b) { return a.time < b.time; }),
-                     end);
+      if (make(end)) ends_.insert(std::ranges::upper_bound(ends_, end.time, {}, &End::time), end);
       return;
     case Stage::kChecks:
       if (next_ == ends_.size()) {
@@ -230,7 +226,7 @@ bool DirectWay::is_free(const Path& path) noexcept {
 
 bool DirectWay::drive_to(const End& end) noexcept {
   const bool reached = drive_.plan(limits_, start_.c.head<3>(), driving_speeds(start_), end.point);
-  space_.charge(static_cast<long>(drive_.time() / SteeredDrive::kOfACheck));
+  space_.charge(drive_.checks());
   return reached;
 }
 

@@ -20,27 +20,22 @@ Trapezoid arm_time(const MotionLimits& limits, const WholeConfiguration& a, cons
   return at_speed < 1e-9 ? Trapezoid{} : quickest(at_speed, square);
 }
 
-struct BaseWay {
-  double turn1 = 0.0, drive = 0.0, turn2 = 0.0;
-};
-
-BaseWay differential_way(const MotionLimits& limits, const WholeConfiguration& a,
-                         const WholeConfiguration& b) noexcept {
-  BaseWay way;
+// A differential base turns to its way, drives and turns to the end's heading.
+void lead_differential(const MotionLimits& limits, Edge& edge) noexcept {
+  const WholeConfiguration &a = edge.a, &b = edge.b;
   const Vector2 d = b.head<2>() - a.head<2>();
   const double length = d.norm();
   if (length < kNoWay) {
-    way.turn1 = wrapped(b[2] - a[2]);
-    return way;
+    edge.turn1 = wrapped(b[2] - a[2]);
+    return;
   }
   const double bearing = std::atan2(d.y(), d.x());
   const double f1 = wrapped(bearing - a[2]), f2 = wrapped(b[2] - bearing);
   const double r1 = wrapped(bearing + std::numbers::pi - a[2]), r2 = wrapped(b[2] - bearing - std::numbers::pi);
   const bool forwards = std::abs(f1) + std::abs(f2) <= std::abs(r1) + std::abs(r2) + limits.facing;
-  way.turn1 = forwards ? f1 : r1;
-  way.turn2 = forwards ? f2 : r2;
-  way.drive = forwards ? length : -length;
-  return way;
+  edge.turn1 = forwards ? f1 : r1;
+  edge.turn2 = forwards ? f2 : r2;
+  edge.drive = forwards ? length : -length;
 }
 
 }  // namespace
@@ -53,13 +48,10 @@ void make_edge(const MotionLimits& limits, const WholeConfiguration& a, const Wh
   edge.first = edge.middle = edge.last = {};
   edge.arm = arm_time(limits, a, b);
   if (limits.base->nonholonomic()) {
-    const BaseWay way = differential_way(limits, a, b);
-    edge.turn1 = way.turn1;
-    edge.drive = way.drive;
-    edge.turn2 = way.turn2;
-    edge.first = quickest_way(way.turn1, limits.angular, limits.angular_acceleration);
-    edge.middle = quickest_way(way.drive, limits.linear, limits.linear_acceleration);
-    edge.last = quickest_way(way.turn2, limits.angular, limits.angular_acceleration);
+    lead_differential(limits, edge);
+    edge.first = quickest_way(edge.turn1, limits.angular, limits.angular_acceleration);
+    edge.middle = quickest_way(edge.drive, limits.linear, limits.linear_acceleration);
+    edge.last = quickest_way(edge.turn2, limits.angular, limits.angular_acceleration);
   } else if (limits.base->lateral()) {
     edge.drive = (b.head<2>() - a.head<2>()).norm();
     edge.turn1 = wrapped(b[2] - a[2]);

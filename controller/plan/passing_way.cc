@@ -14,8 +14,6 @@ constexpr int kTimings = 4;                          // times and places of pass
 constexpr std::array kScales{0.15, 0.4, 1.0, 0.05};  // of the draws around a configuration
 constexpr double kLeastReach = 0.05;                 // [m]
 
-using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 + kMaxJoints>;
-
 }  // namespace
 
 PassingWay::PassingWay(const MotionLimits& limits, const PlanParams& params, FreeSpace& space, const WholeBodyIk& ik)
@@ -108,7 +106,7 @@ bool PassingWay::make_free() noexcept {
 bool PassingWay::hold_hand() noexcept {
   const DirectWayParams& p = params_.direct_way;
   const int joints = limits_.num_joints();
-  Jacobian J(6, 3 + joints);
+  WholeJacobian J(6, 3 + joints);
   free_jacobian(space_.place(pass_.c), J);
   space_.charge(1);
   const auto arm = J.rightCols(joints);
@@ -141,7 +139,7 @@ bool PassingWay::hold_hand() noexcept {
 
 bool PassingWay::drive() noexcept {
   const bool reached = drive_.plan(limits_, start_.c.head<3>(), driving_speeds(start_), via_, &passing_);
-  space_.charge(static_cast<long>(drive_.time() / SteeredDrive::kOfACheck));
+  space_.charge(drive_.checks());
   return reached;
 }
 
@@ -149,16 +147,15 @@ void PassingWay::lay(Path& path, double& longest) noexcept {
   path.begin(start_.c);
   path.clearance = space_.clearances().object;
   path.X_WG = X_WG_;
-  longest = (pass_.c - start_.c).cwiseAbs().tail(limits_.num_joints()).dot(limits_.lever);
+  WholeConfiguration way = pass_.c - start_.c;
   add_glide(Moves::kArm, arm_, start_, pass_, path);
   if (limits_.base->nonholonomic()) {
     drive_.add_to(path);
-    longest += drive_.way() + limits_.base_lever * drive_.turned();
+    way.head<3>() << drive_.way(), 0.0, drive_.turned();  // as long as the drive
   } else if (limits_.mobile()) {
     add_glide(Moves::kBase, base_, start_, pass_, path);
-    const WholeConfiguration way = pass_.c - start_.c;
-    longest += way.head<2>().norm() + limits_.base_lever * std::abs(way[2]);
   }
+  longest = limits_.travel(way);
 }
 
 }  // namespace moma

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <span>
 
 #include "controller/plan/edge.h"
@@ -31,7 +30,7 @@ struct Path {
   double duration = 0.0;   ///< [s]
   double clearance = 0.0;  ///< distance from objects at rest, half of it where motions overlap [m]
   /// Smaller distance at the goal; it grows with the distance from the goal (goal_clearance.h) [m].
-  double kept_at_goal = std::numeric_limits<double>::infinity();
+  double kept_at_goal = kInfinity;
   Isometry X_WG = Isometry::Identity();
   bool meets = false;                    ///< X_WG is the place at which a goal in motion was expected
   double pass = kInfinity;               ///< time at which E passes its goal; infinite: the path ends there [s]

@@ -22,7 +22,7 @@ struct DirectWayParams {
 
 constexpr void describe(auto& v, Of<DirectWayParams>) {
   using T = DirectWayParams;
-  v.member("share", &T::share, in_range({0.0, 1.0, true}, "1", "share of speeds and accelerations that it uses"));
+  v.member("share", &T::share, positive_share("share of speeds and accelerations that it uses"));
   v.member("joints", &T::joints, positive("rad", "range of the joints of a try around those of the start"));
   v.member("near", &T::near, non_negative("m", "least distance from the goal to the base of a try"));
   v.member("far", &T::far, non_negative("m", "largest distance from the goal to the base of a try"));
@@ -87,29 +87,26 @@ struct SearchParams {
 
 constexpr void describe(auto& v, Of<SearchParams>) {
   using T = SearchParams;
-  constexpr Range kShare{0.0, 1.0};
   v.member("step", &T::step, positive("m", "longest step of a tree of a robot that drives"));
   v.member("arm_step", &T::arm_step, positive("m", "longest step of a tree of a fixed arm"));
   v.member("least_step", &T::least_step, non_negative("m", "shorter free parts of a step are left out"));
   v.member("from_goal", &T::from_goal, in_range({1.0, 100.0}, "", "nodes of the goals' tree for each of the start's"));
-  v.member("tucked", &T::tucked, in_range(kShare, "1", "share of samples of a driving robot with its arm tucked"));
-  v.member("between", &T::between, in_range(kShare, "1", "share of samples with the arm between start and goal"));
-  v.member("near_goal", &T::near_goal, in_range(kShare, "1", "share of samples near a goal configuration"));
-  v.member("near_start", &T::near_start, in_range(kShare, "1", "share of samples with the base near the start"));
+  v.member("tucked", &T::tucked, share("share of samples of a driving robot with its arm tucked"));
+  v.member("between", &T::between, share("share of samples with the arm between start and goal"));
+  v.member("near_goal", &T::near_goal, share("share of samples near a goal configuration"));
+  v.member("near_start", &T::near_start, share("share of samples with the base near the start"));
   v.member("reach", &T::reach, non_negative("m", "reach of the arm, which the base need not drive"));
-  v.member("hand_moves", &T::hand_moves,
-           in_range(kShare, "1", "share of a tree's growth that moves the hand straight"));
+  v.member("hand_moves", &T::hand_moves, share("share of a tree's growth that moves the hand straight"));
   v.member("hand_step", &T::hand_step, positive("m", "length of one step of the hand"));
   v.member("hand_steps", &T::hand_steps, in_range({1.0, 1000.0}, "", "most steps of the hand in one direction"));
-  v.member("base_alone", &T::base_alone, in_range(kShare, "1", "share of samples that move the base alone"));
-  v.member("arm_alone", &T::arm_alone, in_range(kShare, "1", "share of samples that move the arm alone"));
+  v.member("base_alone", &T::base_alone, share("share of samples that move the base alone"));
+  v.member("arm_alone", &T::arm_alone, share("share of samples that move the arm alone"));
   v.member("base_way", &T::base_way, positive("m", "longest way of a base that moves alone"));
-  v.member("back", &T::back, in_range({0.0, 1.0, true}, "1", "share of a blocked step's free part that a tree goes"));
-  v.member("tight", &T::tight, in_range(kShare, "1", "share of the clearance in the last tier"));
+  v.member("back", &T::back, positive_share("share of a blocked step's free part that a tree goes"));
+  v.member("tight", &T::tight, share("share of the clearance in the last tier"));
   v.member("closer", &T::closer, positive("1", "least clearance at a close goal, in units of collision.at_goal.least"));
-  v.member(
-      "off_goal", &T::off_goal,
-      in_range(kShare, "1", "share of the goal's tolerances by which a goal that no configuration reaches is missed"));
+  v.member("off_goal", &T::off_goal,
+           share("share of the goal's tolerances by which a goal that no configuration reaches is missed"));
   v.member("same", &T::same, positive("m", "motion of an object up to which a plan keeps what the last one found"));
   v.member("same_turn", &T::same_turn, positive("rad", "the same of its orientation"));
   v.member("same_goal", &T::same_goal, positive("m", "the same of the goal"));
@@ -158,13 +155,10 @@ constexpr void describe(auto& v, Of<SmoothParams>) {
            unless_default(non_negative("rad or m", "the same where a motion is simulated again")));
   v.member("past", &T::past,
            unless_default(non_negative("m", "distance at which a base that turns about a corner gives it up")));
-  v.member("turning", &T::turning,
-           unless_default(in_range({0.0, 1.0}, "1", "share of its angular speed with which it then turns")));
-  v.member("leave_out", &T::leave_out,
-           unless_default(in_range({0.0, 1.0}, "1", "share of a corner's variations that leave it out")));
+  v.member("turning", &T::turning, unless_default(share("share of its angular speed with which it then turns")));
+  v.member("leave_out", &T::leave_out, unless_default(share("share of a corner's variations that leave it out")));
   v.member("check", &T::check,
-           unless_default(in_range({0.0, 1.0, true}, "1",
-                                   "way between two checks of such a motion, in units of plan.check_step")));
+           unless_default(positive_share("way between two checks of such a motion, in units of plan.check_step")));
 }
 
 /// Following of a path (plan/follow.h, qp/pose.h).
@@ -183,7 +177,7 @@ constexpr void describe(auto& v, Of<FollowParams>) {
   v.member("joint", &T::joint, non_negative("m/rad", "lag of an error of a joint"));
   v.member("across", &T::across, non_negative("rad/m^2", "turn to the path per metre beside it and metre driven"));
   v.member("rate", &T::rate, positive("1/s", "least gain of the rows' dampers on a path"));
-  v.member("kept", &T::kept, in_range({0.0, 1.0}, "1", "share of the path's clearances that rows keep"));
+  v.member("kept", &T::kept, share("share of the path's clearances that rows keep"));
   v.member("joint_influence", &T::joint_influence,
            unless_default(positive("rad or m", "distance from a joint's limit at which its damper begins, at most")));
   v.member("joint_stop", &T::joint_stop,
@@ -228,10 +222,9 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("arrived", &T::arrived, non_negative("m", "lag at a path's end at which the policy takes over"));
   v.member("arrived_close", &T::arrived_close, non_negative("m", "the same where the goal is close to an object"));
   v.member("tolerance", &T::tolerance,
-           in_range({0.0, 1.0, true}, "1", "share of the goal's tolerances within which a prediction arrives"));
+           positive_share("share of the goal's tolerances within which a prediction arrives"));
   v.member("beside", &T::beside,
-           unless_default(in_range({0.0, 1.0}, "1",
-                                   "share of that beyond which a robot that stands for plan.stuck chooses again")));
+           unless_default(share("share of that beyond which a robot that stands for plan.stuck chooses again")));
   v.member("last_part", &T::last_part,
            unless_default(non_negative("s", "rest of a path that is left once to a policy predicted to arrive")));
   v.member("pass_ahead", &T::pass_ahead,
@@ -255,7 +248,7 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("turned", &T::turned, positive("rad", "the same of its orientation"));
   v.member("least", &T::least, non_negative("m", "largest distance that is asked of a path when it is checked again"));
   v.member("less", &T::less, non_negative("m", "subtracted from the share of the path's clearance"));
-  v.member("share", &T::share, in_range({0.0, 1.0}, "1", "share of the path's clearance that is asked then"));
+  v.member("share", &T::share, share("share of the path's clearance that is asked then"));
   v.member("watch_step", &T::watch_step,
            unless_default(in_range({0.01, 10.0}, "s", "interval between moments that are checked")));
 }
@@ -286,6 +279,9 @@ struct PlanParams {
   SmoothParams smooth = {};
   FollowParams follow = {};
   DecisionParams decisions = {};
+
+  /// Clearance of a path in the last tier [m].
+  double tight() const noexcept { return search.tight * clearance; }
 };
 
 constexpr void describe(auto& v, Of<PlanParams>) {
@@ -300,9 +296,8 @@ constexpr void describe(auto& v, Of<PlanParams>) {
   v.member("clearance", &T::clearance, non_negative("m", "clearance of a path if that finds none"));
   v.member("self", &T::self, non_negative("m", "clearance from the robot itself and from the floor"));
   v.member("joint_margin", &T::joint_margin, non_negative("rad or m", "distance of a path from joint limits"));
-  v.member("speed", &T::speed, in_range({0.0, 1.0, true, false}, "1", "share of the largest speeds that a path uses"));
-  v.member("acceleration", &T::acceleration,
-           in_range({0.0, 1.0, true, false}, "1", "share of the accelerations that a path uses"));
+  v.member("speed", &T::speed, positive_share("share of the largest speeds that a path uses"));
+  v.member("acceleration", &T::acceleration, positive_share("share of the accelerations that a path uses"));
   v.member("check_step", &T::check_step, positive("m", "way of any point of the robot between two checks"));
   v.member("overlap", &T::overlap, non_negative("s", "largest overlap of successive motions of a path"));
   v.member("settle", &T::settle, non_negative("s", "time from a path's end to the goal"));

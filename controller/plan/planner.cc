@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -17,7 +16,6 @@ namespace {
 constexpr double kMoment = 0.08;
 // Added to the best run's way for the ellipse of the next [m].
 constexpr double kMoreWay = 0.3;
-constexpr double kAnyLength = 1e18;
 // Least share of an edge's time that overlaps leave, and of the best run's time that further runs leave.
 constexpr double kOverlapped = 0.75, kShortened = 0.6;
 // Part of the joints' margins that is kept in each tier.
@@ -125,7 +123,7 @@ void Planner::set_turn(bool stays) noexcept {
 
 void Planner::set_tiers(int first) noexcept {
   const bool halved = close_goal() && effort_ >= params_.search.hard;
-  const double tight = params_.search.tight * params_.clearance / (halved ? 2.0 : 1.0);
+  const double tight = params_.tight() / (halved ? 2.0 : 1.0);
   const double arm = effort_ > params_.search.hard ? 0.5 * tight : tight;  // at the goal, one failed plan later
   const std::array<double, kTiers> objects{std::max(params_.roomy, params_.clearance), params_.clearance,
                                            0.5 * (1.0 + params_.search.tight) * params_.clearance, tight};
@@ -167,7 +165,7 @@ bool Planner::advance(long& budget) noexcept {
 
 void Planner::begin_tier(int tier) noexcept {
   tier_ = tier;
-  space_.keep(tiers_[static_cast<std::size_t>(tier)]);
+  keep(tier);
   late_ = 0;
   stage_ = PlanStage::kGoals;
 }
@@ -183,20 +181,16 @@ void Planner::work() noexcept {
       try_goal();
       break;
     case PlanStage::kRoute:
-      route();
+      if (const Progress progress = route_.advance(space_); progress == Progress::kFound)
+        smooth_route();
+      else if (progress == Progress::kNone)
+        begin_runs();
       break;
     case PlanStage::kSearch:
-      switch (search_.advance(space_, draws_)) {
-        case SearchProgress::kMore:
-          if (counts_.checks >= search_end_) end_tier();
-          break;
-        case SearchProgress::kDone:
-          end_run(true);
-          break;
-        case SearchProgress::kFailed:
-          end_run(false);
-          break;
-      }
+      if (const Progress progress = search_.advance(space_, draws_); progress == Progress::kFound)
+        end_run();
+      else if (progress == Progress::kNone || counts_.checks >= search_end_)
+        end_tier();
       break;
     case PlanStage::kShorten:
       if (shortcut_ < params_.shortcuts && (edges_.size() > 1 || shortcut_ <= 10)) {
@@ -231,7 +225,7 @@ void Planner::try_goal() noexcept {
     return begin_search();
   const int aim = close_goal() && tries_ % 2 == 1 ? last_tier() : tier_;
   ik_.keep_room(kRoom[static_cast<std::size_t>(aim)]);
-  space_.keep(tiers_[static_cast<std::size_t>(aim)]);
+  keep(aim);
   ++counts_.ik_tries;
   GoalConfiguration goal;
   const bool off = params_.search.off_goal > 0.0 && aim == last_tier() && goals_.empty() && effort_ > 1;
@@ -239,7 +233,7 @@ void Planner::try_goal() noexcept {
   const Isometry X_WG = off ? near_goal() : drawn ? allowed_pose() : X_WG_;
   const bool hard = close_goal() && params_.ik.hard * static_cast<int>(goals_.size()) < tries_;
   if (ik_.find(space_, X_WG, start_, goals_, tries_++, draws_, hard, goal.c)) take_goal(goal);
-  space_.keep(tiers_[static_cast<std::size_t>(tier_)]);
+  keep(tier_);
 }
 
 // Draws one of the poses that a goal with free directions allows: places up to ik.far from the nearest one, and any
@@ -298,7 +292,7 @@ void Planner::take_goal(GoalConfiguration& goal) noexcept {
   if (goals_.size() == goals_.capacity()) return;
   if ((effort_ > 1 || !limits_.mobile()) && std::any_of(goals_.begin(), goals_.end(), same)) return;
   const auto free = [&](int tier) {
-    space_.keep(tiers_[static_cast<std::size_t>(tier)]);
+    keep(tier);
     return space_.free(goal.c) && within_rows(goal.c);
   };
   goal.tier = last_tier();
@@ -308,7 +302,7 @@ void Planner::take_goal(GoalConfiguration& goal) noexcept {
     goal.tier = tier;
     break;
   }
-  space_.keep(tiers_[static_cast<std::size_t>(goal.tier)]);
+  keep(goal.tier);
   goal.time = edge_time(limits_, start_, goal.c);
   goal.cost = goal.time + ik_.penalty(space_, params_.roomy, goal.c);
   if (kOverlapped * goal.time > within_)
@@ -320,7 +314,7 @@ void Planner::take_goal(GoalConfiguration& goal) noexcept {
 void Planner::begin_search() noexcept {
   counts_.goals = usable_goals();
   best_.clear();
-  best_time_ = std::numeric_limits<double>::infinity();
+  best_time_ = kInfinity;
   if (counts_.goals == 0) {
     end_tier();
     return;
@@ -330,7 +324,7 @@ void Planner::begin_search() noexcept {
     return first != second ? first : a.cost < b.cost;
   };
   std::sort(goals_.begin(), goals_.end(), before);
-  longest_ = within_ < kAnyLength ? within_ * limits_.linear : kAnyLength;
+  longest_ = within_ * limits_.linear;
   if (smooths() && params_.smooth.routes > 0)
     begin_route();
   else
@@ -369,13 +363,8 @@ void Planner::begin_run() noexcept {
   stage_ = PlanStage::kSearch;
 }
 
-void Planner::end_run(bool found) noexcept {
-  if (!found) {
-    end_tier();
-    return;
-  }
-  edges_.clear();
-  for (const Edge& edge : search_.edges().all()) edges_.push(edge);
+void Planner::end_run() noexcept {
+  edges_ = search_.edges();
   shortcut_ = 0;
   stage_ = PlanStage::kShorten;
 }
@@ -496,19 +485,10 @@ void Planner::begin_route() noexcept {
   stage_ = PlanStage::kRoute;
 }
 
-void Planner::route() noexcept {
-  switch (route_.advance(space_)) {
-    case Route::Progress::kMore:
-      break;
-    case Route::Progress::kFound:
-      ++routes_;
-      smooth_.begin(route_.corners(), braking_, within_);
-      stage_ = PlanStage::kSmooth;
-      break;
-    case Route::Progress::kNone:
-      begin_runs();
-      break;
-  }
+void Planner::smooth_route() noexcept {
+  ++routes_;
+  smooth_.begin(route_.corners(), braking_, within_);
+  stage_ = PlanStage::kSmooth;
 }
 
 }  // namespace moma

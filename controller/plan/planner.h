@@ -97,6 +97,7 @@ class Planner {
   void work() noexcept;
   void set_turn(bool stays) noexcept;
   void set_tiers(int first) noexcept;
+  void keep(int tier) noexcept { space_.keep(tiers_[static_cast<std::size_t>(tier)]); }
   void begin_tier(int tier) noexcept;
   bool next_tier() noexcept;
   int usable_goals() const noexcept;
@@ -113,7 +114,7 @@ class Planner {
   bool within_rows(const WholeConfiguration& c) noexcept;
   void begin_runs() noexcept;
   void begin_run() noexcept;
-  void end_run(bool found) noexcept;
+  void end_run() noexcept;
   void take_edges() noexcept;
   void end_tier() noexcept;
   void lay() noexcept;
@@ -122,7 +123,7 @@ class Planner {
   bool smooths() const noexcept { return limits_.mobile() && !close_goal() && params_.smooth.tries > 0; }
   double beyond() const noexcept { return tier_ == kRoomy ? params_.search.roomy_beyond : params_.search.beyond; }
   void begin_route() noexcept;
-  void route() noexcept;
+  void smooth_route() noexcept;
   void begin_smooth() noexcept;
   void end_smooth() noexcept;
 

@@ -55,7 +55,7 @@ void Route::open(int place, int parent, double way) noexcept {
   std::push_heap(heap_.begin(), heap_.end());
 }
 
-Route::Progress Route::advance(FreeSpace& space) noexcept {
+Progress Route::advance(FreeSpace& space) noexcept {
   if (!chain_.empty()) return pull(space);
   if (heap_.empty()) return Progress::kNone;
   const int place = heap_.front().place;
@@ -101,7 +101,7 @@ bool Route::meet(int place) noexcept {
 }
 
 // Goes on from a corner to the last place, to half as far, a quarter, ... to which a straight drive is free.
-Route::Progress Route::pull(FreeSpace& space) noexcept {
+Progress Route::pull(FreeSpace& space) noexcept {
   if (to_ > from_ + 1 && !free_drive(space, chain_[from_], chain_[to_])) {
     to_ = from_ + (to_ - from_) / 2;
     return Progress::kMore;

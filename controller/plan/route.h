@@ -16,7 +16,6 @@ namespace moma {
 /// or one straight drive. Only the constructor allocates.
 class Route {
  public:
-  enum class Progress { kMore, kFound, kNone };
   static constexpr std::size_t kMostGoals = 24;
 
   /// References must outlive it.

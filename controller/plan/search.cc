@@ -85,53 +85,53 @@ void Search::begin(const SearchTask& task, bool goes_on) {
   side_ = 1;
 }
 
-SearchProgress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
+Progress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
   if (stage_ == Stage::kStraight) {
     const int roots = std::min(task_.roots, static_cast<int>(task_.goals.size()));
     if (straight_ < roots) {
       GoalConfiguration& goal = task_.goals[static_cast<std::size_t>(straight_++)];
       if (!goal.rooted) {
-        if (from_goal_.full()) return SearchProgress::kFailed;
+        if (from_goal_.full()) return Progress::kNone;
         from_goal_.add(goal.c, -1);
         goal.rooted = true;
       }
       make_edge(*limits_, task_.start, goal.c, edge_);
-      if (!edges_.empty() && edge_.time >= quickest_) return SearchProgress::kMore;
-      if (!space.free(edge_, check_step_)) return SearchProgress::kMore;
+      if (!edges_.empty() && edge_.time >= quickest_) return Progress::kMore;
+      if (!space.free(edge_, check_step_)) return Progress::kMore;
       quickest_ = edge_.time;
       edges_.clear();
       edges_.push(edge_);
-      return SearchProgress::kMore;
+      return Progress::kMore;
     }
-    if (!edges_.empty()) return SearchProgress::kDone;
-    if (roots == 0) return SearchProgress::kFailed;
+    if (!edges_.empty()) return Progress::kFound;
+    if (roots == 0) return Progress::kNone;
     stage_ = Stage::kGrow;
   }
   if (stage_ == Stage::kGrow) {
     side_ = params_.from_goal * from_start_.size() <= from_goal_.size() ? 0 : 1;
-    if (begin_hand(space, draws)) return SearchProgress::kMore;
+    if (begin_hand(space, draws)) return Progress::kMore;
     WholeConfiguration target;
     if (!sample_part(space, draws, target)) sample(space, draws, target);
     space.charge(kBlocked);
     bool reached = false;
     Tree& growing = tree(side_);
     grown_ = grow(space, growing, growing.nearest(target), target, reached);
-    if (from_start_.full() || from_goal_.full()) return SearchProgress::kFailed;
-    if (grown_ < 0) return SearchProgress::kMore;
+    if (from_start_.full() || from_goal_.full()) return Progress::kNone;
+    if (grown_ < 0) return Progress::kMore;
     reaching_ = tree(1 - side_).nearest(growing.node(grown_));
     stage_ = Stage::kConnect;
-    return SearchProgress::kMore;
+    return Progress::kMore;
   }
   if (stage_ == Stage::kMoveHand) return move_hand(space);
   bool reached = false;
   const WholeConfiguration meet = tree(side_).node(grown_);
   reaching_ = grow(space, tree(1 - side_), reaching_, meet, reached);
-  if (from_start_.full() || from_goal_.full()) return SearchProgress::kFailed;
+  if (from_start_.full() || from_goal_.full()) return Progress::kNone;
   if (reaching_ < 0 || (reached && !join(side_ == 0 ? grown_ : reaching_, side_ == 0 ? reaching_ : grown_)))
     stage_ = Stage::kGrow;
   else if (reached)
-    return SearchProgress::kDone;
-  return SearchProgress::kMore;
+    return Progress::kFound;
+  return Progress::kMore;
 }
 
 // Draws a node and a direction of the hand: back along the arm to one of its joints, which leads out of where it
@@ -166,7 +166,7 @@ bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
 }
 
 // Moves the hand one step by the arm alone, dq = J^T (J J^T + 1e-3 I)^-1 (0, step).
-SearchProgress Search::move_hand(FreeSpace& space) noexcept {
+Progress Search::move_hand(FreeSpace& space) noexcept {
   constexpr double kDamping = 1e-3;
   Tree& growing = tree(side_);
   WholeConfiguration target = growing.node(grown_);
@@ -186,16 +186,16 @@ SearchProgress Search::move_hand(FreeSpace& space) noexcept {
   }
   bool reached = false;
   const int added = inside ? grow(space, growing, grown_, target, reached) : -1;
-  if (growing.full()) return SearchProgress::kFailed;
+  if (growing.full()) return Progress::kNone;
   if (added >= 0) {
     grown_ = added;
-    if (++hand_steps_ < params_.hand_steps && reached) return SearchProgress::kMore;
+    if (++hand_steps_ < params_.hand_steps && reached) return Progress::kMore;
   }
   stage_ = Stage::kGrow;
-  if (hand_steps_ == 0) return SearchProgress::kMore;
+  if (hand_steps_ == 0) return Progress::kMore;
   reaching_ = tree(1 - side_).nearest(growing.node(grown_));
   stage_ = Stage::kConnect;
-  return SearchProgress::kMore;
+  return Progress::kMore;
 }
 
 // Adds an edge from a node towards the target, at most one step, as far as it is free. Returns the new node, or -1.

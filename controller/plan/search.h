@@ -68,8 +68,6 @@ class EdgeList {
   std::vector<Edge> edges_;
 };
 
-enum class SearchProgress { kMore, kDone, kFailed };
-
 /// Input of a search.
 struct SearchTask {
   WholeConfiguration start;
@@ -78,7 +76,7 @@ struct SearchTask {
   int roots = 0;                       ///< the first of them become roots of the goals' tree
   const VectorX* tuck = nullptr;       ///< joint values of a tucked arm (tuck.h)
   double beyond = 1.5;                 ///< samples' bases lie at most this far beyond start and goal [m]
-  double longest = 1e18;               ///< longest way of the base through a sample to the goal [m]
+  double longest = kInfinity;          ///< longest way of the base through a sample to the goal [m]
 };
 
 /// Edges from the start to one of several goal configurations: straight there, the quickest; else by two trees that
@@ -95,14 +93,14 @@ class Search {
   /// Spans and pointers of `task` must outlive the search. With `goes_on` the goals' tree of the last search stays;
   /// goals and clearances must be the same.
   void begin(const SearchTask& task, bool goes_on = false);
-  /// Does one piece of work. kFailed if a tree is full.
-  SearchProgress advance(FreeSpace& space, CountedDraws& draws) noexcept;
+  /// Does one piece of work. kNone if a tree is full.
+  Progress advance(FreeSpace& space, CountedDraws& draws) noexcept;
   /// The edges found, once it is done.
   const EdgeList& edges() const noexcept { return edges_; }
 
  private:
   enum class Stage { kStraight, kGrow, kMoveHand, kConnect };
-  SearchProgress move_hand(FreeSpace& space) noexcept;
+  Progress move_hand(FreeSpace& space) noexcept;
   bool begin_hand(FreeSpace& space, CountedDraws& draws) noexcept;
   bool sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) noexcept;
   void sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept;

@@ -67,15 +67,12 @@ bool SmoothPath::work() noexcept {
   }
   if (stage_ != Stage::kCheck) return false;
   constexpr int kAtOnce = 16;
-  const Eigen::Index joints = limits_.num_joints();
   WholeConfiguration before, c;
   path_.at(checked_, before);
   for (int k = 0; k < kAtOnce;) {
     checked_ = std::min(checked_ + kDriveStep, path_.duration);
     path_.at(checked_, c);
-    const WholeConfiguration way = (c - before).cwiseAbs();
-    const double moved = way.head<2>().norm() + limits_.base_lever * way[2] + way.tail(joints).dot(limits_.lever);
-    if (moved < params_.smooth.check * params_.check_step && checked_ < path_.duration) continue;
+    if (limits_.travel(c - before) < params_.smooth.check * params_.check_step && checked_ < path_.duration) continue;
     ++k;
     before = c;
     if (!space_.free(c)) {

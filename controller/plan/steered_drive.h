@@ -41,7 +41,6 @@ class SteeredDrive {
   /// Largest number of path parts of a drive to rest from rest.
   static constexpr int kNodes = 38;
   static constexpr double kMostTime = 10.0;  ///< [s]
-  static constexpr double kOfACheck = 0.8;   ///< a drive of so long is simulated in the time of a check [s]
   static constexpr double kReached = 0.003;  ///< distance at which a point is reached [m]
 
   /// A point that is not stopped at: the drive, at `speed` at most, ends in motion nearer than `reach`, or at the time
@@ -57,6 +56,8 @@ class SteeredDrive {
             const Passing* passing = nullptr) noexcept;
 
   double time() const noexcept { return time_; }
+  /// Cost of its simulation, in checks.
+  long checks() const noexcept { return static_cast<long>(time_ / 0.8); }
   /// End of the parts of add_to(), at most a few centimetres from the point.
   const Vector3& end() const noexcept { return end_; }
   /// Length of the way, and sum of all turning [m, rad].

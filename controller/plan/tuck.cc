@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 
 #include "controller/plan/counted_draws.h"
@@ -47,7 +46,7 @@ VectorX tucked_arm(const RobotModel& model, FreeSpace& space, const Clearances& 
   space.set_clearances({-1.0, clearances.floor, clearances.self}, c);
   const Clearances kept = space.clearances();
   const auto cost = [&] {
-    if (!space.clear(c, kept)) return std::numeric_limits<double>::infinity();
+    if (!space.clear(c, kept)) return kInfinity;
     return sprawl(model, space.kinematics(), c.tail(joints));
   };
   double least = cost();

@@ -22,7 +22,6 @@ constexpr int kPasses = 4;     // in which joints come to their bounds
 constexpr double kGap = 0.3;
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 + kMaxJoints>;
 
 double shortened(double length, double most) noexcept { return length > most ? most / length : 1.0; }
 
@@ -33,7 +32,6 @@ WholeBodyIk::WholeBodyIk(std::shared_ptr<const RobotModel> model, const WholeBod
     : model_(std::move(model)),
       params_(params),
       limits_(&limits),
-      mobile_(limits.mobile()),
       lower_(limits.num_joints()),
       upper_(limits.num_joints()),
       round_(limits.num_joints()) {
@@ -57,7 +55,7 @@ void WholeBodyIk::keep_room(double room) noexcept {
 bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfiguration& c, bool moves_base) const noexcept {
   const int joints = limits_->num_joints();
   const int n = 3 + joints;
-  Jacobian J(6, n);
+  WholeJacobian J(6, n);
   Matrix6 M;
   WholeConfiguration weight(n), step(n);
   double before = kInfinity;
@@ -73,7 +71,7 @@ bool WholeBodyIk::solve(FreeSpace& space, const Isometry& X_WG, WholeConfigurati
       before = error;
     }
     free_jacobian(kinematics, J);
-    if (!mobile_ || !moves_base) J.leftCols<3>().setZero();
+    if (!limits_->mobile() || !moves_base) J.leftCols<3>().setZero();
     Vector6 wanted = e;
     wanted.head<3>() *= shortened(turn, kMostTurn);
     wanted.tail<3>() *= shortened(way, kMostWay);
@@ -123,7 +121,7 @@ void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const Whole
                        CountedDraws& draws, WholeConfiguration& c) const noexcept {
   const int joints = limits_->num_joints();
   c = start;
-  if (mobile_) {
+  if (limits_->mobile()) {
     const Vector2 goal = X_WG.translation().head<2>();
     const double angle = draws.uniform(-std::numbers::pi, std::numbers::pi),
                  r = draws.uniform(params_.near, params_.far);
@@ -137,7 +135,7 @@ void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const Whole
     c[2] = index % 3 == 0 ? angle + std::numbers::pi : anyhow;
   }
   const int arm = index % 5;  // the start's, `ready`, or one of three that are drawn
-  if (mobile_ ? arm > 1 : index > 0) {
+  if (limits_->mobile() ? arm > 1 : index > 0) {
     constexpr double kRoom = 0.15;
     for (int i = 0; i < joints; ++i) {
       const bool winds = limits_->winds[i] != 0;
@@ -154,11 +152,11 @@ void WholeBodyIk::seed(const FreeSpace& space, const Isometry& X_WG, const Whole
 bool WholeBodyIk::find(FreeSpace& space, const Isometry& X_WG, const WholeConfiguration& start,
                        std::span<const GoalConfiguration> found, int index, CountedDraws& draws, bool hard,
                        WholeConfiguration& c) const noexcept {
-  const bool stays =
-      hard && mobile_ && index % 3 == 1 && (X_WG.translation().head<2>() - start.head<2>()).norm() < params_.stay;
-  if ((hard || !mobile_) && !found.empty() && index % 3 == 2) {
+  const bool stays = hard && limits_->mobile() && index % 3 == 1 &&
+                     (X_WG.translation().head<2>() - start.head<2>()).norm() < params_.stay;
+  if ((hard || !limits_->mobile()) && !found.empty() && index % 3 == 2) {
     c = found[draws.choice(found.size())].c;
-    if (mobile_) {
+    if (limits_->mobile()) {
       for (int i = 0; i < 2; ++i) c[i] += draws.uniform(-params_.place, params_.place);
       c[2] += draws.uniform(-params_.joints, params_.joints);
     }

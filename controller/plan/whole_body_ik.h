@@ -18,6 +18,9 @@ struct GoalConfiguration {
   bool rooted = false;  ///< true for a root of the search's tree
 };
 
+/// Progress of a search after a piece of its work: more is left, it has found something, or there is nothing (more).
+enum class Progress { kMore, kFound, kNone };
+
 /// Inverse kinematics of base and arm together. One per controller; only the constructor allocates.
 class WholeBodyIk {
  public:
@@ -56,7 +59,6 @@ class WholeBodyIk {
   std::shared_ptr<const RobotModel> model_;
   WholeBodyIkParams params_;
   const MotionLimits* limits_;
-  bool mobile_;
   VectorX lower_, upper_;
   Eigen::VectorXi round_;  // 1 for a joint that goes on from its other limit
 };

@@ -13,6 +13,27 @@ namespace {
 // The command acts one period after the measurement of its state, for one period.
 constexpr double kReactionPeriods = 2.0;
 
+// S+ of the article (mirrored: S-): 0 if room < 0, else speed min(room / margin, 1).
+double source_bound(double room, double margin, double speed) noexcept {
+  return room < 0.0 ? 0.0 : speed * std::min(room / margin, 1.0);
+}
+
+// The speed from which a joint stops at rho_s, braking at `deceleration` after `reaction`; eta (rho - rho_s), the way
+// back, if room is less than rho_s. With a reaction of at least one control period T a joint that keeps the bound can
+// keep it in the next step: v(rho - v T) >= v(rho) - deceleration T.
+double braking_bound(double room, const JointLimitParams& params, double part, double deceleration,
+                     double reaction) noexcept {
+  const double left = room - part * params.stop;
+  return left < 0.0 ? params.gain * left : stoppable_speed(left, deceleration, reaction);
+}
+
+// eta (rho - rho_s)/(rho_i - rho_s) inside rho_i, infinity outside (Haviland & Corke, arXiv 2002.11901, eq. 19). A
+// `part` below 1 (limit_part()) shortens rho_i and rho_s at the same slope.
+double damper_bound(double room, const JointLimitParams& params, double part) noexcept {
+  if (!(room < part * params.influence)) return kInfinity;
+  return params.gain * (room - part * params.stop) / (params.influence - params.stop);
+}
+
 }  // namespace
 
 VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& params, double control_period)
@@ -183,22 +204,6 @@ VectorX resolve_margin(const RobotModel& model, const JointMargin& given) {
     margin[i] = std::min(0.3, 0.25 * (joint.upper - joint.lower));
   }
   return margin;
-}
-
-double source_bound(double room, double margin, double speed) noexcept {
-  if (room < 0.0) return 0.0;
-  return speed * std::min(room / margin, 1.0);
-}
-
-double braking_bound(double room, const JointLimitParams& params, double part, double deceleration,
-                     double reaction) noexcept {
-  const double left = room - part * params.stop;
-  return left < 0.0 ? params.gain * left : stoppable_speed(left, deceleration, reaction);
-}
-
-double damper_bound(double room, const JointLimitParams& params, double part) noexcept {
-  if (!(room < part * params.influence)) return kInfinity;
-  return params.gain * (room - part * params.stop) / (params.influence - params.stop);
 }
 
 void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept {

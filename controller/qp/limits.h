@@ -81,19 +81,6 @@ double sight_speed(const SightParams& sight, const RobotModel& model, double dec
 /// get an unused 0.3.
 VectorX resolve_margin(const RobotModel& model, const JointMargin& given);
 
-/// S+ of the article (mirrored: S-): 0 if room < 0, else speed min(room / margin, 1).
-double source_bound(double room, double margin, double speed) noexcept;
-
-/// Returns the speed from which a joint stops at rho_s, braking at `deceleration` after `reaction`; eta (rho - rho_s),
-/// the way back, if room is less than rho_s. With a reaction of at least one control period T a joint that keeps the
-/// bound can keep it in the next step: v(rho - v T) >= v(rho) - deceleration T.
-double braking_bound(double room, const JointLimitParams& params, double part, double deceleration,
-                     double reaction) noexcept;
-
-/// Returns eta (rho - rho_s)/(rho_i - rho_s) inside rho_i, infinity outside (Haviland & Corke, arXiv 2002.11901, eq.
-/// 19). A `part` below 1 (limit_part()) shortens rho_i and rho_s at the same slope.
-double damper_bound(double room, const JointLimitParams& params, double part = 1.0) noexcept;
-
 /// Appends |omega_i| <= max_speed for every wheel, as rows on the base's velocity.
 void add_wheel_rows(const MobileBase& base, QpProblem& problem) noexcept;
 /// Appends |x + y|, |x - y| <= sqrt(2) step about the pair's velocity. With the bounds |x|, |y| <= step they form the

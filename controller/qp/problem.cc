@@ -9,15 +9,10 @@ namespace moma {
 
 void QpProblem::allocate(int num_variables, int max_rows) {
   *this = {};  // Eigen frees an array before it takes a larger one, and would free it again where there is none
-  H = VectorX::Zero(num_variables);
-  g = VectorX::Zero(num_variables);
-  lb = VectorX::Zero(num_variables);
-  ub = VectorX::Zero(num_variables);
+  H = g = lb = ub = VectorX::Zero(num_variables);
   A = RowMatrix::Zero(max_rows, num_variables);
-  lbA = VectorX::Zero(max_rows);
-  ubA = VectorX::Zero(max_rows);
-  ids.assign(static_cast<std::size_t>(max_rows), RowId{});
-  rows = 0;
+  lbA = ubA = VectorX::Zero(max_rows);
+  ids.resize(static_cast<std::size_t>(max_rows));
 }
 
 void QpProblem::clear() noexcept {

@@ -38,20 +38,13 @@ BrakeCheck::BrakeCheck(std::shared_ptr<const RobotModel> model, const BrakeCheck
       deceleration_(*model_, acceleration, pair_together),
       uncertainty_(uncertainty),
       J_(3, model_->num_velocities()),
-      row_(VectorX::Zero(model_->num_velocities())),
       q_(VectorX::Zero(model_->num_joints())),
-      mean_(VectorX::Zero(model_->num_velocities())),
-      times_(mean_),
-      trial_(mean_),
-      full_(mean_),
-      in_proportion_(mean_),
       ways_(*model_),
-      gone_(mean_),
-      whole_(mean_),
       floor_bounds_(model_->shapes.size()),
       self_bounds_(model_->self_pairs.size()),
       self_at_(model_->shapes.size() * model_->shapes.size(), -1),
       own_start_(model_) {
+  row_ = mean_ = times_ = trial_ = full_ = in_proportion_ = gone_ = whole_ = VectorX::Zero(model_->num_velocities());
   for (std::size_t p = 0; p < model_->self_pairs.size(); ++p) {
     const SelfPair& pair = model_->self_pairs[p];
     const std::size_t at = static_cast<std::size_t>(pair.first) * model_->shapes.size();

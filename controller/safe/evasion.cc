@@ -1,6 +1,5 @@
 #include "controller/safe/evasion.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -82,20 +81,21 @@ double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
 }
 
 // Measures distances at base_, q_ and states_; infinite beyond `range`. Skips objects whose spheres are all outside.
-void Evasion::look(double range, double& moving, double& resting) noexcept {
-  moving = resting = kInfinity;
+Evasion::Gaps Evasion::look(double range) noexcept {
+  Gaps gaps;
   bool near = false;
   for (std::size_t i = 0; i < states_.size() && !near; ++i) {
     if (!states_[i].visible) continue;
     const Vector3 away = states_[i].X_WO.translation() - Vector3(base_.x(), base_.y(), 0.0);
     near = !(away.norm() > range + reach_ + radii_[i]);
   }
-  if (!near) return;
+  if (!near) return gaps;
   kinematics_.place(base_, q_);
   for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {range, -1.0, -1.0})) {
-    double& least = in_motion(states_[static_cast<std::size_t>(pair.second)]) ? moving : resting;
-    least = std::min(least, pair.distance.d);
+    double& gap = in_motion(states_[static_cast<std::size_t>(pair.second)]) ? gaps.moving : gaps.resting;
+    gap = std::min(gap, pair.distance.d);
   }
+  return gaps;
 }
 
 // Moves the base towards its target, the arm by qdot_, and objects by their twists.
@@ -138,12 +138,11 @@ bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vecto
   while (t < params_.horizon) {
     go_on(target);
     t += params_.step;
-    double moving = kInfinity, resting = kInfinity;
-    look(range, moving, resting);
+    const Gaps gaps = look(range);
     const double need =
-        std::max(need_moving_, std::min(params_.share * params_.margin, need_moving_ + params_.regain * t));
-    if (moving < need || resting < need_resting_) return false;
-    if (std::min(moving, resting) < params_.touch) return true;  // at least the present distance
+        std::max(need_.moving, std::min(params_.share * params_.margin, need_.moving + params_.regain * t));
+    if (gaps.moving < need || gaps.resting < need_.resting) return false;
+    if (gaps.least() < params_.touch) return true;  // at least the present distance
   }
   return true;
 }
@@ -155,12 +154,10 @@ double Evasion::worth(const Observation& o, const Vector3& target, double range)
   ++tried_;
   begin(o);
   double worst = range;
-  double moving = kInfinity, resting = kInfinity;
   for (double t = 0.0; t < params_.horizon;) {
     go_on(target);
     t += params_.step;
-    look(range, moving, resting);
-    const double least = std::min(moving, resting);
+    const double least = look(range).least();
     if (least < params_.touch) return t;
     worst = std::min(worst, least);
   }
@@ -168,8 +165,7 @@ double Evasion::worth(const Observation& o, const Vector3& target, double range)
   double stood = 0.0;
   for (; stood < params_.horizon; stood += params_.step) {
     drive(Vector3::Zero(), params_.step);
-    look(range, moving, resting);
-    if (std::min(moving, resting) < params_.touch) break;
+    if (look(range).least() < params_.touch) break;
   }
   return params_.horizon + worst + range * std::min(1.0, stood / params_.horizon);
 }
@@ -183,9 +179,8 @@ bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base
   reach_ = reach(o, command);
   begin(o);
   const double range = std::max(params_.margin, params_.at_rest);
-  look(range, need_moving_, need_resting_);
-  need_moving_ = std::min(params_.margin, need_moving_);
-  need_resting_ = std::min(params_.at_rest, need_resting_);
+  need_ = look(range);
+  need_ = {std::min(params_.margin, need_.moving), std::min(params_.at_rest, need_.resting)};
 
   const Vector3 stop = Vector3::Zero(), held = ramp_.base_of(command);
   if (is_clear(o, command, held, range) || is_clear(o, command, stop, range)) return true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
@@ -46,7 +47,12 @@ class Evasion {
 
  private:
   double reach(const Observation& o, const VectorX& command) noexcept;
-  void look(double range, double& moving, double& resting) noexcept;
+  struct Gaps {
+    double moving = kInfinity, resting = kInfinity;  // distances from objects that move, and from others [m]
+
+    double least() const noexcept { return std::min(moving, resting); }
+  };
+  Gaps look(double range) noexcept;
   void drive(const Vector3& target, double dt) noexcept;
   void begin(const Observation& o) noexcept;
   void go_on(const Vector3& target) noexcept;
@@ -67,7 +73,7 @@ class Evasion {
   double reach_ = 0.0;         // radius of the robot about the base's origin [m]
   Vector3 base_ = Vector3::Zero(), velocity_ = Vector3::Zero();
   VectorX q_, qdot_, mean_;
-  double need_moving_ = 0.0, need_resting_ = 0.0;
+  Gaps need_;
   int tried_ = 0;
 };
 

@@ -17,8 +17,7 @@ struct BrakingParams {
 
 constexpr void describe(auto& v, Of<BrakingParams>) {
   using P = BrakingParams;
-  v.member("share", &P::share,
-           in_range({0.0, 1.0, true}, "1", "share of the deceleration with all velocities braking"));
+  v.member("share", &P::share, positive_share("share of the deceleration with all velocities braking"));
   v.member("reaction", &P::reaction, non_negative("s", "time until braking begins"));
 }
 
@@ -46,8 +45,7 @@ constexpr void describe(auto& v, Of<BrakeCheckParams>) {
       unless_default(in_range({1.0, 100.0}, "1", "factor on margins of uncertainty along the braking trajectory")));
   v.member("range", &P::range, unless_default(positive("m", "range of the pairs from which these margins are taken")));
   v.member("own", &P::own,
-           unless_default(in_range(
-               {0.0, 1.0}, "1", "share of the stop distances of floor and self rows that a braking trajectory keeps")));
+           unless_default(share("share of the stop distances of floor and self rows that a braking trajectory keeps")));
 }
 
 /// Distances to objects at rest shrink towards those of the goal's own pose (goal_clearance.h).
@@ -61,8 +59,7 @@ struct GoalClearanceParams {
 constexpr void describe(auto& v, Of<GoalClearanceParams>) {
   using P = GoalClearanceParams;
   v.member("least", &P::least, positive("m", "least distance, at the goal itself"));
-  v.member("part", &P::part,
-           in_range({0.0, 1.0, true}, "1", "share of the hand's distance at the goal that rows keep there"));
+  v.member("part", &P::part, positive_share("share of the hand's distance at the goal that rows keep there"));
   v.member("slope", &P::slope, positive("1", "increase of the kept distance with the distance from the goal"));
 }
 
@@ -81,8 +78,7 @@ constexpr void describe(auto& v, Of<SeparationParams>) {
   v.member("reaction", &P::reaction, non_negative("s", "T_R: time from an event to the beginning of braking"));
   v.member("speed", &P::speed, non_negative("m/s", "lower bound of v_H"));
   v.member("intrusion", &P::intrusion, non_negative("m", "C: required distance in addition to those of speeds"));
-  v.member("share", &P::share,
-           in_range({0.0, 1.0, true}, "1", "share of the deceleration with all velocities braking"));
+  v.member("share", &P::share, positive_share("share of the deceleration with all velocities braking"));
   v.member("range", &P::range, positive("m", "range of objects with rows"));
 }
 
@@ -104,8 +100,7 @@ constexpr void describe(auto& v, Of<EvasionParams>) {
   v.member("at_rest", &P::at_rest, unless_default(non_negative("m", "distance from objects at rest on a way out")));
   v.member("touch", &P::touch, unless_default(non_negative("m", "distance at which a way out ends in contact")));
   v.member("step", &P::step, unless_default(in_range({0.01, 10.0}, "s", "interval between checks of a way out")));
-  v.member("share", &P::share,
-           unless_default(in_range({0.0, 1.0}, "1", "share of `margin` that suffices where a way out begins")));
+  v.member("share", &P::share, unless_default(share("share of `margin` that suffices where a way out begins")));
   v.member("regain", &P::regain, unless_default(non_negative("m/s", "rate at which `margin` is asked again after it")));
   v.member(
       "ranked", &P::ranked,
@@ -149,20 +144,17 @@ constexpr void describe(auto& v, Of<EstimationParams>) {
   v.member("least_tried", &T::least_tried, in_range(kPeriods, "control periods", "least longest round trip tried"));
   v.member("beyond", &T::beyond, in_range(kPeriods, "control periods", "round trips tried beyond the configured one"));
   v.member("forget", &T::forget, positive("s", "time constant with which a round trip's misfit forgets"));
-  v.member("better", &T::better,
-           in_range({0.0, 1.0}, "1", "factor on the present misfit below which another replaces it"));
+  v.member("better", &T::better, share("factor on the present misfit below which another replaces it"));
   v.member(
       "velocity_noise", &T::velocity_noise,
       unless_default(non_negative("m/s or rad/s", "difference of the base's velocity from its ramp that is noise")));
-  v.member(
-      "observe", &T::observe,
-      unless_default(in_range({0.0, 1.0}, "1", "share of a larger difference by which the ramp is moved; 0: none")));
+  v.member("observe", &T::observe,
+           unless_default(share("share of a larger difference by which the ramp is moved; 0: none")));
   v.member("gain", &T::gain,
            in_range({0.0, 0.5}, "1", "spread of the base's gains from drive to drive; 0: the gains are 1"));
   v.member("gain_forget", &T::gain_forget,
            positive("s", "time constant with which a gain's measurements are forgotten"));
-  v.member("least_gain", &T::least_gain,
-           unless_default(in_range({0.0, 1.0, true}, "1", "least gain of the base that is believed")));
+  v.member("least_gain", &T::least_gain, unless_default(positive_share("least gain of the base that is believed")));
   v.member("largest_gain", &T::largest_gain,
            unless_default(in_range({1.0, 10.0}, "1", "largest gain of the base that is believed")));
   v.member("missed", &T::missed, positive("s", "time constant with which missed steps are forgotten"));

@@ -47,9 +47,9 @@ constexpr void describe(auto& v, Of<PredictionMemory>) {
   v.member("catching_up", &M::catching_up,
            unless_default({.text = "joints follow commands that waited longer before"}));
   v.member("drive", &M::drive, unless_default({.text = "index of the drive that the base is taken to have"}));
-  v.member("slowing", &M::slowing,
-           unless_default(in_range({0.0, 1.0, true}, "1",
-                                   "least share of the base's deceleration that a drive had that was found so far")));
+  v.member(
+      "slowing", &M::slowing,
+      unless_default(positive_share("least share of the base's deceleration that a drive had that was found so far")));
   v.member("driven", &M::driven, unless_default(quantity("m/s or rad/s", "the base's velocity by each drive")));
   v.member(
       "gain_measured", &M::gain_measured,

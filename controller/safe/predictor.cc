@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string_view>
 #include <utility>
@@ -80,7 +79,7 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
   tried_ = std::max(params.estimation.least_tried, params.estimation.beyond + std::max(base_trip, joint_trip));
   // The commands of the longest round trip, one before it, and the waiting ones, which are at most as many as the trip.
   periods_ = tried_ + 2;
-  joint_step_ = VectorX::Constant(num_joints_, std::numeric_limits<double>::infinity());
+  joint_step_ = VectorX::Constant(num_joints_, kInfinity);
   if (acceleration_limit.size() == model.num_velocities()) joint_step_ = dt_ * acceleration_limit.tail(num_joints_);
   base_speed_.head(base_dof_) = model.velocity_limits().head(base_dof_);
   if (params.identify && params.estimation.gain > 0.0)

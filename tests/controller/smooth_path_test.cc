@@ -200,13 +200,13 @@ TEST_P(Smooth, RoutesGoTheShortWayRoundAWall) {
   put(scene, start, 0.03);
   Route route(limits, params.plan);
   route.begin(start, goals, tuck, Vector2(-2.0, -3.0), Vector2(4.0, 3.0));
-  Route::Progress progress = Route::Progress::kMore;
+  Progress progress = Progress::kMore;
   const auto advance = [&] {
     do progress = route.advance(space);
-    while (progress == Route::Progress::kMore);
+    while (progress == Progress::kMore);
     return progress;
   };
-  ASSERT_EQ(advance(), Route::Progress::kFound);
+  ASSERT_EQ(advance(), Progress::kFound);
   double way = 0.0, beside = 0.0;
   const auto corners = route.corners();
   for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
@@ -222,7 +222,7 @@ TEST_P(Smooth, RoutesGoTheShortWayRoundAWall) {
   const double point = std::hypot(1.4, 1.1) + 0.2 + std::hypot(1.4, 1.1);
   EXPECT_GT(way, point);
   EXPECT_LT(way, point + 1.3);
-  EXPECT_EQ(advance(), Route::Progress::kNone);
+  EXPECT_EQ(advance(), Progress::kNone);
 }
 
 }  // namespace
