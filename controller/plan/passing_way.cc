@@ -113,17 +113,16 @@ bool PassingWay::hold_hand() noexcept {
   const auto factor = [&](const Vector6& V) {
     return std::max(V.head<3>().norm() / p.pass_angular, V.tail<3>().norm() / p.pass_linear);
   };
+  const Vector6 V = J.leftCols<3>() * pass_.v.head<3>();
   auto v = pass_.v.tail(joints);
   double most = 1.0;
-  if (!limits_.mobile()) {
-    v = 4.0 * (pass_.c - start_.c).tail(joints);
-    most = std::max(most, factor(arm * v));
-  }
-  const Vector6 V = J.leftCols<3>() * pass_.v.head<3>();
   if (limits_.mobile()) {
     Eigen::Matrix<double, 6, 6> M = arm * arm.transpose();
     M.diagonal().array() += kPassDamping;
     v = -arm.transpose() * M.ldlt().solve(V);
+  } else {
+    v = 4.0 * (pass_.c - start_.c).tail(joints);
+    most = std::max(most, factor(arm * v));
   }
   for (int i = 0; i < joints; ++i) most = std::max(most, std::abs(v[i]) / (kMostJointSpeed * limits_.joint_speed[i]));
   v /= most;

@@ -181,16 +181,22 @@ void Planner::work() noexcept {
       try_goal();
       break;
     case PlanStage::kRoute:
-      if (const Progress progress = route_.advance(space_); progress == Progress::kFound)
-        smooth_route();
-      else if (progress == Progress::kNone)
+      if (const Progress progress = route_.advance(space_); progress == Progress::kFound) {
+        ++routes_;
+        smooth_.begin(route_.corners(), braking_, within_);
+        stage_ = PlanStage::kSmooth;
+      } else if (progress == Progress::kNone) {
         begin_runs();
+      }
       break;
     case PlanStage::kSearch:
-      if (const Progress progress = search_.advance(space_, draws_); progress == Progress::kFound)
-        end_run();
-      else if (progress == Progress::kNone || counts_.checks >= search_end_)
+      if (const Progress progress = search_.advance(space_, draws_); progress == Progress::kFound) {
+        edges_ = search_.edges();
+        shortcut_ = 0;
+        stage_ = PlanStage::kShorten;
+      } else if (progress == Progress::kNone || counts_.checks >= search_end_) {
         end_tier();
+      }
       break;
     case PlanStage::kShorten:
       if (shortcut_ < params_.shortcuts && (edges_.size() > 1 || shortcut_ <= 10)) {
@@ -363,12 +369,6 @@ void Planner::begin_run() noexcept {
   stage_ = PlanStage::kSearch;
 }
 
-void Planner::end_run() noexcept {
-  edges_ = search_.edges();
-  shortcut_ = 0;
-  stage_ = PlanStage::kShorten;
-}
-
 void Planner::take_edges() noexcept {
   if (edges_.time() >= best_time_) return;
   best_time_ = edges_.time();
@@ -483,12 +483,6 @@ void Planner::begin_route() noexcept {
                a.cwiseMin(b).array() - beyond(), a.cwiseMax(b).array() + beyond());
   routes_ = 0;
   stage_ = PlanStage::kRoute;
-}
-
-void Planner::smooth_route() noexcept {
-  ++routes_;
-  smooth_.begin(route_.corners(), braking_, within_);
-  stage_ = PlanStage::kSmooth;
 }
 
 }  // namespace moma

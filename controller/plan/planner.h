@@ -114,7 +114,6 @@ class Planner {
   bool within_rows(const WholeConfiguration& c) noexcept;
   void begin_runs() noexcept;
   void begin_run() noexcept;
-  void end_run() noexcept;
   void take_edges() noexcept;
   void end_tier() noexcept;
   void lay() noexcept;
@@ -123,7 +122,6 @@ class Planner {
   bool smooths() const noexcept { return limits_.mobile() && !close_goal() && params_.smooth.tries > 0; }
   double beyond() const noexcept { return tier_ == kRoomy ? params_.search.roomy_beyond : params_.search.beyond; }
   void begin_route() noexcept;
-  void smooth_route() noexcept;
   void begin_smooth() noexcept;
   void end_smooth() noexcept;
 

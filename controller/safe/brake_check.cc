@@ -84,9 +84,8 @@ void BrakeCheck::begin(const Observation& o, const KnownPairs& known) noexcept {
   const auto bound = [](double range) { return range >= 0.0 ? range : -kInfinity; };
   const std::size_t shapes = model_->shapes.size(), count = states_.size();
   shown_.clear();
-  for (std::size_t k = 0; k < count; ++k)
-    if (states_[k].visible) shown_.push_back(static_cast<int>(k));
   for (std::size_t k = 0; k < count; ++k) {
+    if (states_[k].visible) shown_.push_back(static_cast<int>(k));
     const double far = states_[k].visible ? bound(known.ranges.of(states_[k])) : kInfinity;
     for (std::size_t i = 0; i < shapes; ++i) object_bounds_[i * count + k] = far;
   }

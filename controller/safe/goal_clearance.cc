@@ -18,8 +18,7 @@ double GoalClearance::least(const Kinematics& kinematics, const Isometry& X_WG, 
   const Isometry move = kinematics.X_WE() * X_WG.inverse();
   double least = range;
   for (std::size_t k = 0; k < objects.size(); ++k) {
-    if (!objects[k].visible || in_motion(objects[k]) || !is_pose(objects[k].X_WO)) continue;
-    if (!objects[k].seen) continue;
+    if (!objects[k].visible || !objects[k].seen || in_motion(objects[k]) || !is_pose(objects[k].X_WO)) continue;
     states_[k].X_WO = move * objects[k].X_WO;
     states_[k].box = objects[k].box;
     for (const int shape : shapes_) {

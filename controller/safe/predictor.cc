@@ -130,11 +130,14 @@ BaseRamp::Shares Predictor::drive() const noexcept { return {kDrives[at(memory_.
 
 const Vector3& Predictor::driven(int drive, int age) const noexcept { return memory_.driven[at(drive * tried_ + age)]; }
 
-// Advances the base's velocity by the period in which the command sent last acts, for each drive.
-void Predictor::follow_drives() noexcept {
-  if (!params_.identify || base_dof_ == 0) return;
+// Advances the base's velocity by the period in which the command sent last acts: by its ramp, and by each drive's.
+void Predictor::follow_command() noexcept {
   PredictionMemory& m = memory_;
   const Vector3 command = gains().cwiseProduct(ramp_.base_of(m.sent.front()));
+  Vector3 latest = m.base_velocity.front();
+  ramp_.follow(command, dt_, latest);
+  shifted(m.base_velocity) = latest;
+  if (!params_.identify || base_dof_ == 0) return;
   BaseRamp ramp = ramp_;
   for (int i = 0; i < kNumDrives; ++i) {
     ramp.set_shares(kDrives[at(i)]);
@@ -262,10 +265,7 @@ void Predictor::miss_steps(double time) noexcept {
     skip();
     repeat(m.computed);
     repeat(m.sent);
-    follow_drives();
-    Vector3 velocity = m.base_velocity.front();
-    ramp_.follow(gains().cwiseProduct(ramp_.base_of(m.sent.front())), dt_, velocity);
-    shifted(m.base_velocity) = velocity;
+    follow_command();
   }
   if (missed > 0.0) m.time = time;  // skip() advanced it
   if (missed >= most) m.begun = false;
@@ -359,9 +359,8 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
   shifted(m.computed) = command;
   for (int i = 0; i < base_dof_ + num_joints_; ++i)
     sent[i] = m.computed[at(i < base_dof_ ? hold_base_ : hold_joints_)][i];
-  Vector3 base = ramp_.base_of(sent), velocity = m.base_velocity.front();
-  const Vector3 gain = gains();
-  if (gain_prior_ > 0.0) base = base.cwiseQuotient(gain).cwiseMax(-base_speed_).cwiseMin(base_speed_);
+  Vector3 base = ramp_.base_of(sent);
+  if (gain_prior_ > 0.0) base = base.cwiseQuotient(gains()).cwiseMax(-base_speed_).cwiseMin(base_speed_);
   if (base_share_ > 0.0) base = ramp_.limited(base, ramp_.base_of(m.sent.front()), base_share_, dt_);
   ramp_.set_base(base, sent);
   // After a shorter wait commands are skipped: joints make the skipped changes as fast as their limits allow.
@@ -375,9 +374,7 @@ void Predictor::send(const VectorX& command, VectorX& sent) noexcept {
     }
   }
   shifted(m.sent) = sent;
-  follow_drives();
-  ramp_.follow(gain.cwiseProduct(base), dt_, velocity);
-  shifted(m.base_velocity) = velocity;
+  follow_command();
 }
 
 std::string prediction_mismatch(const PredictionMemory& memory, const RobotModel& model, const ControllerParams& params,

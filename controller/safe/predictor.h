@@ -95,7 +95,7 @@ class Predictor {
   void miss_steps(double time) noexcept;
   void synchronise() noexcept;
   void identify(const Observation& o) noexcept;
-  void follow_drives() noexcept;
+  void follow_command() noexcept;
   const Vector3& driven(int drive, int age) const noexcept;
   bool identify_base(const Observation& o) noexcept;
   void identify_gains(const Observation& o) noexcept;
