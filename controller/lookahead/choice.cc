@@ -42,9 +42,7 @@ double comes_to_rest(const RobotModel& model, const MotionLimits& limits, const 
 
 Choice::Choice(std::shared_ptr<const RobotModel> model, const ControllerParams& params)
     : model_(model),
-      settle_(params.plan.settle),
-      standing_(params.plan.decisions.standing),
-      most_plans_(params.plan.decisions.plans),
+      params_(params.plan),
       depth_(params.map.unseen.around),
       direct_way_(model, params),
       planner_(model, params),
@@ -63,7 +61,7 @@ void Choice::reset(std::span<const ObjectShape> objects) {
 MotionState Choice::motion_of(const Observation& o) const noexcept {
   MotionState motion{WholeConfiguration(3 + o.q.size()), WholeConfiguration::Zero(3 + o.q.size())};
   motion.c << o.base, o.q;
-  if (o.qdot.lpNorm<Eigen::Infinity>() <= standing_) return motion;
+  if (o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing) return motion;
   motion.v << planner_.limits().base->velocity_B(o.qdot), o.qdot.tail(o.q.size());
   motion.v.head<2>() = Eigen::Rotation2Dd(o.base.z()) * motion.v.head<2>();
   return motion;
@@ -149,7 +147,7 @@ void Choice::begin_plan() noexcept {
     braking = {WholeConfiguration(stand_.size()), stopping_};
     braking.from << from_.base, from_.q;
   }
-  planner_.begin(stand_, from_.goal.X_WG, from_.objects, seed_, most - settle_ - stopping_, braking,
+  planner_.begin(stand_, from_.goal.X_WG, from_.objects, seed_, most - params_.settle - stopping_, braking,
                  {from_.goal.free, R_WG_});
 }
 
@@ -162,7 +160,7 @@ bool Choice::advance(long& budget) noexcept {
     }
     if (planner_.advance(budget)) break;
     const bool again = planner_.close_goal() || (verdict_.policy < 0.0 && motion_of(from_).v.isZero(0.0));
-    if (!planner_.found() && again && plans_ < most_plans_) {
+    if (!planner_.found() && again && plans_ < params_.decisions.plans) {
       begin_plan();
       continue;
     }
@@ -170,7 +168,7 @@ bool Choice::advance(long& budget) noexcept {
     done_ = true;
     ++verdict_.tried;
     if (!planner_.found()) continue;
-    verdict_.by_path = (rest() == Rest::kEach ? stopping_ : 0.0) + planner_.path().duration + settle_;
+    verdict_.by_path = (rest() == Rest::kEach ? stopping_ : 0.0) + planner_.path().duration + params_.settle;
     if (verdict_.policy < 0.0 || verdict_.by_path < verdict_.policy) verdict_.kind = PlanKind::kPath;
   }
   return !done_;

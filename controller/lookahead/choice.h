@@ -77,10 +77,8 @@ class Choice {
   Rest rest() const noexcept { return direct_way_.close_goal() ? Rest::kEach : Rest::kEvenly; }
 
   std::shared_ptr<const RobotModel> model_;
-  double settle_;    // time from a path's end to the goal [s]
-  double standing_;  // velocities below which the robot stands
-  int most_plans_;   // of one choice, each with more work: for close goals, or where a robot stands and nothing arrives
-  double depth_;     // up to which ways may enter space that no sensor has seen [m]; 0: they go through it
+  PlanParams params_;
+  double depth_;  // up to which ways may enter space that no sensor has seen [m]; 0: they go through it
   DirectWay direct_way_;
   Planner planner_;
 

@@ -43,12 +43,7 @@ double least_time(const ServoParams& servo, const Vector6& error, const RolloutL
 }
 
 Rollout::Rollout(std::shared_ptr<const RobotModel> model, ControllerParams params, double period)
-    : model_(model),
-      period_(period),
-      patience_(params.escape.patience),
-      servo_(params.servo),
-      keeps_upright_(params.upright.enabled),
-      policy_(std::move(model), on_time(std::move(params)), period) {
+    : model_(model), period_(period), policy_(std::move(model), on_time(std::move(params)), period) {
   policy_.prepare(result_);
   reset({});
 }
@@ -68,7 +63,7 @@ void Rollout::begin(const Observation& o, const EscapeState& escape, const Rollo
   for (ObjectState& object : state_.objects)
     if (!object.seen) object.visible = false;  // as plans, it goes through space that no sensor has seen
   policy_.set_escape_state(escape);
-  allowed_ = escape.stagnations + (escape.idle >= patience_ ? 1 : 0);
+  allowed_ = escape.stagnations + (escape.idle >= policy_.params().escape.patience ? 1 : 0);
   time_ = 0.0;
   end_ = RolloutEnd::kGoesOn;
 }
@@ -79,12 +74,12 @@ RolloutEnd Rollout::step() noexcept {
   if (result_.error.tail<3>().norm() < limits_.position && result_.error.head<3>().norm() < limits_.orientation)
     return end_ = RolloutEnd::kArrives;
   const std::optional<Upright>& upright = state_.upright;
-  if (upright && keeps_upright_ && tilt(*upright, policy_.kinematics()) > upright->angle)
+  if (upright && policy_.params().upright.enabled && tilt(*upright, policy_.kinematics()) > upright->angle)
     return end_ = RolloutEnd::kTouches;
   // The hand may be nearer to the object that it grasps.
   if (result_.least_distance < std::min(limits_.touch, 0.5 * policy_.kept_stop())) return end_ = RolloutEnd::kTouches;
   if (limits_.stagnation_ends && policy_.escape_state().stagnations > allowed_) return end_ = RolloutEnd::kStagnates;
-  if (limits_.late_ends && time_ + kSooner * least_time(servo_, result_.error, limits_) > limits_.time)
+  if (limits_.late_ends && time_ + kSooner * least_time(policy_.params().servo, result_.error, limits_) > limits_.time)
     return end_ = RolloutEnd::kLate;
   const int base = model_->base_dof();
   for (int i = 0; i < base; ++i) {

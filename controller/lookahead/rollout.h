@@ -77,9 +77,6 @@ class Rollout {
  private:
   std::shared_ptr<const RobotModel> model_;
   double period_;
-  double patience_;
-  ServoParams servo_;
-  bool keeps_upright_;
   ControllerCore policy_;
   RolloutLimits limits_;
   int allowed_ = 0;  // stagnations

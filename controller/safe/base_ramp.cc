@@ -2,46 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace moma {
-namespace {
-
-// Ramps `velocity` towards velocity + change for dt, and returns the difference between end and mean. `change` becomes
-// the achieved change.
-template <class Vector>
-Vector ramp(const Vector& velocity, double acceleration, const BaseRamp::Shares& shares, double dt,
-            Vector& change) noexcept {
-  const double size = change.norm();
-  const double most = (velocity.dot(change) < 0.0 ? shares.slowing : shares.speeding) * acceleration * dt;
-  if (!(size > 0.0)) return Vector::Zero(change.size());
-  if (size > most) {
-    change *= most / size;
-    return 0.5 * change;
-  }
-  return (0.5 * size / most) * change;
-}
-
-}  // namespace
-
 BaseRamp::BaseRamp(const RobotModel& model) : dof_(model.base_dof()), acceleration_(model.base.max_acceleration) {}
 
 Vector3 BaseRamp::follow(const Vector3& command, double dt, Vector3& velocity) const noexcept {
-  Vector3 behind = Vector3::Zero();
+  Vector3 behind = Vector3::Zero();  // difference between end and mean
+  const auto ramp = [&]<int n>(std::integral_constant<int, n>, int first, double acceleration) {
+    auto now = velocity.segment<n>(first);
+    Eigen::Matrix<double, n, 1> change = command.segment<n>(first) - now;
+    const double size = change.norm();
+    const double most = (now.dot(change) < 0.0 ? shares_.slowing : shares_.speeding) * acceleration * dt;
+    if (size > most) change *= most / size;
+    if (size > 0.0) behind.segment<n>(first) = (size > most ? 0.5 : 0.5 * size / most) * change;
+    now += change;
+  };
+  constexpr std::integral_constant<int, 1> kOne{};
   if (dof_ == 0) return behind;
-  using One = Eigen::Matrix<double, 1, 1>;
-  const auto one = [](double x) { return One(x); };
-  One turn = one(command[dof_ - 1] - velocity[dof_ - 1]);
-  behind[dof_ - 1] = ramp(one(velocity[dof_ - 1]), acceleration_.y(), shares_, dt, turn)[0];
-  if (dof_ == 3) {
-    Vector2 linear = command.head<2>() - velocity.head<2>();
-    behind.head<2>() = ramp<Vector2>(velocity.head<2>(), acceleration_.x(), shares_, dt, linear);
-    velocity.head<2>() += linear;
-  } else {
-    One linear = one(command[0] - velocity[0]);
-    behind[0] = ramp(one(velocity[0]), acceleration_.x(), shares_, dt, linear)[0];
-    velocity[0] += linear[0];
-  }
-  velocity[dof_ - 1] += turn[0];
+  if (dof_ == 3)
+    ramp(std::integral_constant<int, 2>{}, 0, acceleration_.x());
+  else
+    ramp(kOne, 0, acceleration_.x());
+  ramp(kOne, dof_ - 1, acceleration_.y());
   return velocity - behind;
 }
 
