@@ -56,7 +56,7 @@ class SteeredDrive {
             const Passing* passing = nullptr) noexcept;
 
   double time() const noexcept { return time_; }
-  /// Cost of its simulation, in checks.
+  /// Cost of its simulation: 0.8 s of a drive are simulated in the time of a check.
   long checks() const noexcept { return static_cast<long>(time_ / 0.8); }
   /// End of the parts of add_to(), at most a few centimetres from the point.
   const Vector3& end() const noexcept { return end_; }

@@ -23,11 +23,9 @@ namespace moma {
 /// allocate() allocates.
 class CollisionRows {
  public:
+  /// References must outlive the rows.
   CollisionRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,
                 const Uncertainty& uncertainty);
-
-  /// Sets the share of its accelerations with which the base brakes.
-  void set_slowing(double share) noexcept { deceleration_.set_slowing(share); }
 
   /// Sizes the buffers for so many objects. Returns the largest number of rows that add() can append, at most
   /// max_pairs.
@@ -73,8 +71,8 @@ class CollisionRows {
   std::vector<ProximityPair> sorted_;
   Matrix3X J_;
   VectorX row_;
-  Deceleration deceleration_;
-  Uncertainty uncertainty_;
+  const Deceleration& deceleration_;
+  const Uncertainty& uncertainty_;
   int left_out_ = 0;
 };
 

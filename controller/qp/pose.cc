@@ -44,12 +44,11 @@ QpPoser::QpPoser(std::shared_ptr<const RobotModel> model, const ControllerParams
       params_(params),
       limits_(*model_, params, control_period),
       proximity_(model_),
-      collision_(*model_, params.collision, {*model_, params.acceleration_limit, params.base_share > 0.0},
-                 {params.uncertainty, model_->base_dof()}),
-      separation_(*model_, params.collision, {*model_, params.acceleration_limit, params.base_share > 0.0},
-                  {params.uncertainty, model_->base_dof()}),
-      upright_(params.upright, params.collision.braking, {*model_, params.acceleration_limit, params.base_share > 0.0},
-               model_->num_velocities()),
+      deceleration_(*model_, params.acceleration_limit, params.base_share > 0.0),
+      uncertainty_(params.uncertainty, model_->base_dof()),
+      collision_(*model_, params.collision, deceleration_, uncertainty_),
+      separation_(*model_, params.collision, deceleration_, uncertainty_),
+      upright_(params.upright, params.collision.braking, deceleration_, model_->num_velocities()),
       goal_clearance_(*model_),
       stop_(params.collision.object.stop) {
   bounds_.allocate(model_->num_velocities());
@@ -101,8 +100,7 @@ double QpPoser::stop_near_goal(const QpTask& asked, const Situation& now) noexce
 Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   enter(now.clock, StepPart::kRows);
   asked_ = asked;
-  collision_.set_slowing(now.execution.drive.slowing);
-  separation_.set_slowing(now.execution.drive.slowing);
+  deceleration_.set_slowing(now.execution.drive.slowing);
 
   const VelocityBounds& limits = asked.bounds != nullptr ? *asked.bounds : limits_;
   limits.bound(now.o.q, now.o.qdot, now.execution.hold, bounds_);

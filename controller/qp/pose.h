@@ -66,6 +66,8 @@ class QpPoser {
   const ControllerParams& params_;
   VelocityBounds limits_;
   Proximity proximity_;
+  Deceleration deceleration_;
+  Uncertainty uncertainty_;
   CollisionRows collision_;
   SeparationRows separation_;
   UprightRow upright_;

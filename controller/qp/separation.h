@@ -30,11 +30,9 @@ namespace moma {
 /// An option of a controller and no safety function: safe-controller.md. One per worker; only allocate() allocates.
 class SeparationRows {
  public:
+  /// References must outlive the rows.
   SeparationRows(const RobotModel& model, const CollisionParams& params, const Deceleration& deceleration,
                  const Uncertainty& uncertainty);
-
-  /// Sets the share of its accelerations with which the base brakes.
-  void set_slowing(double share) noexcept { deceleration_.set_slowing(share); }
 
   /// Sizes the buffers for so many objects. Returns the largest number of rows that add() can append: max_pairs,
   /// besides those of CollisionRows.
@@ -53,8 +51,8 @@ class SeparationRows {
   SeparationParams params_;
   bool on_;
   std::size_t max_rows_;
-  Deceleration deceleration_;
-  Uncertainty uncertainty_;
+  const Deceleration& deceleration_;
+  const Uncertainty& uncertainty_;
   VectorX most_;  // largest values of all velocities
   std::vector<ObjectState> moving_;
   std::vector<std::pair<double, std::size_t>> chosen_;  // remaining speeds and indices of pairs

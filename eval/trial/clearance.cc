@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/safe/uncertainty.h"
+
 namespace moma {
 namespace {
 
@@ -30,7 +32,7 @@ void ClearanceWatch::look(const Kinematics& kinematics, Proximity& proximity, st
 }
 
 SeparationWatch::SeparationWatch(const TrialSpec& spec)
-    : model_(*spec.robot->model), ramp_(model_), reaction_(reaction_of(spec)), J_(3, model_.num_velocities()) {}
+    : ramp_(*spec.robot->model), reaction_(reaction_of(spec)), J_(3, spec.robot->model->num_velocities()) {}
 
 void SeparationWatch::look(const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> objects,
                            const VectorX& qdot) {
@@ -41,18 +43,14 @@ void SeparationWatch::look(const Kinematics& kinematics, Proximity& proximity, s
     any = any || object.visible;
   }
   if (!any) return;
-  Vector3 base = Vector3::Zero();
-  for (int i = 0; i < model_.base_dof(); ++i) base[i] = qdot[i];
-  const double stopping = model_.base_dof() > 0 ? ramp_.stopping_time(base, 1.0) : 0.0;
+  const double stopping = ramp_.stopping_time(ramp_.base_of(qdot), 1.0);
   const double range = kBeyond + (std::isnan(least_) ? kBeyond : std::max(least_, 0.0));
   for (const ProximityPair& pair : proximity.query(kinematics, moving_, {range, -1.0, -1.0})) {
     const Distance& distance = pair.distance;
     const ObjectState& object = moving_[static_cast<std::size_t>(pair.second)];
     kinematics.point_jacobian(kinematics.model().shape(pair.first).link, distance.p_first_W, J_);
-    const Vector3 arm = distance.p_second_W - object.X_WO.translation();
-    const Vector3 v_object = object.V_WO_W.tail<3>() + object.V_WO_W.head<3>().cross(arm);
     // d increases along n with the motion of the robot's point, and decreases with the object's.
-    const double v_H = std::max(0.0, distance.n_W.dot(v_object));
+    const double v_H = std::max(0.0, distance.n_W.dot(velocity_at(object, distance.p_second_W)));
     const double v_R = std::max(0.0, -distance.n_W.dot(J_ * qdot));
     const double margin = distance.d - (v_H * (reaction_ + stopping) + v_R * (reaction_ + 0.5 * stopping));
     if (!(least_ <= margin)) least_ = margin;

@@ -53,7 +53,6 @@ class SeparationWatch {
   double reaction() const noexcept { return reaction_; }
 
  private:
-  const RobotModel& model_;
   BaseRamp ramp_;
   double reaction_;
   double least_ = kAbsent;

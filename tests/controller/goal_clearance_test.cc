@@ -137,8 +137,9 @@ struct ByTheForearm : Grasp {
 struct Rows {
   Grasp grasp;
   ControllerParams params;
-  CollisionRows rows{
-      *grasp.model, params.collision, {*grasp.model, params.acceleration_limit, false}, {params.uncertainty, 0}};
+  Deceleration deceleration{*grasp.model, params.acceleration_limit, false};
+  Uncertainty uncertainty{params.uncertainty, 0};
+  CollisionRows rows{*grasp.model, params.collision, deceleration, uncertainty};
   Kinematics kinematics{grasp.model};
   Proximity proximity{grasp.model};
   QpProblem problem;
