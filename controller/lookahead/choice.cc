@@ -11,8 +11,6 @@ namespace moma {
 namespace {
 
 constexpr int kMoments = 40;        // of coming to rest
-constexpr double kMeets = 1.0;      // time in which an arm meets what moves [s]
-constexpr double kMeanSpeed = 0.6;  // of a base on its way, as a share of its largest
 constexpr double kThinnest = 0.01;  // edge of a box [m]
 
 }  // namespace
@@ -91,7 +89,8 @@ void Choice::begin_way(const Observation& from) noexcept {
   // Time in which the robot is where something is now.
   const auto meeting = [&](const Isometry& X) {
     const double way = (X.translation().head<2>() - from_.base.head<2>()).norm();
-    return model_->mobile() ? way / (kMeanSpeed * model_->base.max_linear) : kMeets;
+    const DecisionParams& decisions = params_.decisions;
+    return model_->mobile() ? way / (decisions.meet_speed * model_->base.max_linear) : decisions.meet_time;
   };
   if (in_motion(from_.goal)) moma::advance(from_.goal.V_WG_W, meeting(from_.goal.X_WG), from_.goal.X_WG);
   around_ = false;

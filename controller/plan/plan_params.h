@@ -75,6 +75,7 @@ struct SearchParams {
   double tucked = 0.45, between = 0.2, near_goal = 0.15, near_start = 0.1;
   double reach = 0.6;
   double hand_moves = 0.3, hand_step = 0.1;
+  double hand_back = 0.25, hand_axes = 0.35;
   int hand_steps = 12;
   double base_alone = 0.2, arm_alone = 0.6, base_way = 1.0;
   double back = 1.0;
@@ -82,6 +83,7 @@ struct SearchParams {
   double off_goal = 0.0;
   double same = 0.001, same_turn = 0.002, same_goal = 0.001, same_goal_turn = 0.002;
   double beyond = 2.5, roomy_beyond = 1.5;
+  double apart = 0.12;
   int goals = 3, effort = 16, hard = 4;
 };
 
@@ -99,6 +101,8 @@ constexpr void describe(auto& v, Of<SearchParams>) {
   v.member("hand_moves", &T::hand_moves, share("share of a tree's growth that moves the hand straight"));
   v.member("hand_step", &T::hand_step, positive("m", "length of one step of the hand"));
   v.member("hand_steps", &T::hand_steps, in_range({1.0, 1000.0}, "", "most steps of the hand in one direction"));
+  v.member("hand_back", &T::hand_back, unless_default(share("share of its directions that go back along the arm")));
+  v.member("hand_axes", &T::hand_axes, unless_default(share("share of its directions along the axes of E")));
   v.member("base_alone", &T::base_alone, share("share of samples that move the base alone"));
   v.member("arm_alone", &T::arm_alone, share("share of samples that move the arm alone"));
   v.member("base_way", &T::base_way, positive("m", "longest way of a base that moves alone"));
@@ -115,6 +119,8 @@ constexpr void describe(auto& v, Of<SearchParams>) {
   v.member("roomy_beyond", &T::roomy_beyond, non_negative("m", "the same in the roomy tier"));
   v.member("goals", &T::goals,
            in_range({1.0, 100.0}, "", "most goal configurations, in units of plan.ik_enough and search.effort"));
+  v.member("apart", &T::apart,
+           unless_default(non_negative("m", "travel of the robot between goal configurations that differ")));
   v.member("effort", &T::effort,
            in_range({1.0, 1000.0}, "", "largest factor after failures on checks, tries, solutions and roots"));
   v.member("hard", &T::hard,
@@ -199,6 +205,7 @@ struct DecisionParams {
   double progress = 0.05;
   double pushed = 0.3;
   double meet = 2.0, wait = 0.5, meet_room = 0.05;
+  double meet_speed = 0.6, meet_time = 1.0;
   double goal_jump = 0.02, goal_turn = 0.05;
   int plans = 4;
   double moved = 0.008, turned = 0.03;
@@ -240,6 +247,10 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("wait", &T::wait, non_negative("s", "time before a meeting at which the path's clock stands"));
   v.member("meet_room", &T::meet_room,
            unless_default(non_negative("m", "distance beyond the path's clearance that counts as meeting it")));
+  v.member("meet_speed", &T::meet_speed,
+           unless_default(positive_share("share of a base's speed with which it comes to what plans expect to move")));
+  v.member("meet_time", &T::meet_time,
+           unless_default(non_negative("s", "time in which an arm comes to what plans expect to move")));
   v.member("goal_jump", &T::goal_jump, positive("m", "motion of the goal between steps that makes it a new goal"));
   v.member("goal_turn", &T::goal_turn, positive("rad", "the same of its orientation"));
   v.member("plans", &T::plans,

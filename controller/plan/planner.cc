@@ -22,8 +22,6 @@ constexpr double kOverlapped = 0.75, kShortened = 0.6;
 constexpr std::array<double, 4> kRoom{1.0, 1.0, 0.0, 0.0};
 // Distance of goals beyond the rows' stop distances, at which the robot would not arrive [m].
 constexpr double kWithinRows = 0.002;
-// Distance between goal configurations that differ, by MotionLimits::distance_squared() [m].
-constexpr double kSameGoal = 0.12;
 // Most goal configurations, whatever the gains: they are kept and compared one by one.
 constexpr int kMostGoals = 2000;
 // Poses of a goal with free directions whose distances from objects are looked at.
@@ -293,7 +291,7 @@ Isometry Planner::near_goal() noexcept {
 // where a plan has failed, more of what it had do not help.
 void Planner::take_goal(GoalConfiguration& goal) noexcept {
   const auto same = [&](const GoalConfiguration& other) {
-    return limits_.distance_squared(other.c, goal.c) < kSameGoal * kSameGoal;
+    return limits_.distance_squared(other.c, goal.c) < params_.search.apart * params_.search.apart;
   };
   if (goals_.size() == goals_.capacity()) return;
   if ((effort_ > 1 || !limits_.mobile()) && std::any_of(goals_.begin(), goals_.end(), same)) return;

@@ -138,14 +138,13 @@ Progress Search::advance(FreeSpace& space, CountedDraws& draws) noexcept {
 // reaches in, one of the hand's axes, or any. False for a draw of joints, and if the goal is not close to an object.
 bool Search::begin_hand(FreeSpace& space, CountedDraws& draws) noexcept {
   if (!space.narrow() || draws.uniform() >= params_.hand_moves) return false;
-  constexpr double kBack = 0.25, kAlongAxes = 0.35;  // shares of the directions
   const Tree& growing = tree(side_);
   grown_ = static_cast<int>(draws.choice(static_cast<std::size_t>(growing.size())));
   const double kind = draws.uniform();
-  if (kind < kBack + kAlongAxes) {
+  if (kind < params_.hand_back + params_.hand_axes) {
     space.charge(1);
     const Kinematics& kinematics = space.place(growing.node(grown_));
-    if (kind < kBack) {
+    if (kind < params_.hand_back) {
       const auto joint = static_cast<int>(draws.choice(static_cast<std::size_t>(limits_->num_joints())));
       const Vector3 p_W = kinematics.X_WL(kinematics.model().joint(joint).link).translation();
       hand_step_ = (p_W - kinematics.X_WE().translation()).stableNormalized();

@@ -41,7 +41,8 @@ TEST_P(AheadInTraffic, WaysKeepClearOfWhereAnObjectWillBe) {
   const Vector2 along = (middle - from).normalized(), across(-along.y(), along.x());
   constexpr double kSpeed = 0.3;
   Vector2 now = middle;
-  for (int i = 0; i < 50; ++i) now = middle - kSpeed * (now - from).norm() / (0.6 * model->base.max_linear) * across;
+  for (int i = 0; i < 50; ++i)
+    now = middle - kSpeed * (now - from).norm() / (params.plan.decisions.meet_speed * model->base.max_linear) * across;
   scene.shapes = {{"pillar", make_box(0.2, 0.2, 1.5)}};
   scene.states.assign(1, ObjectState{});
   const auto way = [&](double speed) {
