@@ -180,7 +180,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
     const PlanarShift shift = shift_of_goal(mobile_ && is_whole(o.goal), path.X_WG, state_.X_WG);
     const bool onward = on_path && path.passes() && !jumped(params_.decisions, path.X_WN, shift.back(o.goal.X_WG));
     state_.missed = state_.left = state_.held = false;
-    if (onward || (on_path && !stands && params_.direct > 0 && !path.close())) {
+    if (onward || (on_path && !stands && params_.direct > 0 && !path.close() && !path.meets)) {
       state_.former = !onward;  // it stays on the path until a way on is known
       path.X_WG = shift.back(o.goal.X_WG);
       path.pass = kInfinity;

@@ -10,8 +10,7 @@ namespace moma {
 // that passes the goal without a stop. True while there is work.
 bool Lookahead::work_onward(const Observation& o, long& budget) noexcept {
   if (job_ == Job::kNone) {
-    const bool may_pass =
-        !state_.missed && !in_motion(o.goal) && !o.goal.stop && o.next && o.next->V_WG_W.norm() <= kAtRest;
+    const bool may_pass = !state_.missed && !in_motion(o.goal) && !o.goal.stop && o.next && !in_motion(*o.next);
     if (!may_pass || !is_whole(o.goal) || !is_whole(*o.next) || state_.path.close() || traffic_) return false;
     if (state_.path.passes()) return begin_pass(o);
     if (state_.steps < state_.next_onward) return false;
