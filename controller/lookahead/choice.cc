@@ -86,7 +86,7 @@ void Choice::begin(const Observation& from, double direct_time, int number, bool
 
 void Choice::begin_way(const Observation& from) noexcept {
   copy_observation(from, from_);
-  // Time in which the robot is where something is now.
+  // Time after which the robot is expected where something is now.
   const auto meeting = [&](const Isometry& X) {
     const double way = (X.translation().head<2>() - from_.base.head<2>()).norm();
     const DecisionParams& decisions = params_.decisions;

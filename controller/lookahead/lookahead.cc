@@ -471,7 +471,7 @@ void Lookahead::end_direct_prediction(bool goal_moves) noexcept {
   if (time < params_.decisions.soon) return;
   // A goal in motion that the policy pursues without contact is left to it.
   if (goal_moves && !arrives && (rollout_.end() == RolloutEnd::kLate || rollout_.end() == RolloutEnd::kGoesOn))
-    begin(GoingDirect{}, PlanReason::kArrives);
+    begin(GoingDirect{}, PlanReason::kTraffic);
   else if (!arrives)
     go_on(PlanReason::kFails, -1.0);
   else if (state_.held)  // the end of a path would hold it again

@@ -14,7 +14,7 @@ namespace moma {
 /// values never allocates.
 using WholeConfiguration = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + kMaxJoints, 1>;
 
-/// Of a base that moves freely in the plane and the joints (free_jacobian()).
+/// Jacobian of E with respect to a base that moves freely in the plane, and the joints (free_jacobian()).
 using WholeJacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 3 + kMaxJoints>;
 
 inline constexpr double kFullTurn = 2.0 * std::numbers::pi;

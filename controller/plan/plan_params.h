@@ -248,9 +248,10 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
   v.member("meet_room", &T::meet_room,
            unless_default(non_negative("m", "distance beyond the path's clearance that counts as meeting it")));
   v.member("meet_speed", &T::meet_speed,
-           unless_default(positive_share("share of a base's speed with which it comes to what plans expect to move")));
+           unless_default(
+               positive_share("share of its largest speed with which plans expect a base to come to what moves")));
   v.member("meet_time", &T::meet_time,
-           unless_default(non_negative("s", "time in which an arm comes to what plans expect to move")));
+           unless_default(non_negative("s", "time after which plans expect an arm to meet what moves")));
   v.member("goal_jump", &T::goal_jump, positive("m", "motion of the goal between steps that makes it a new goal"));
   v.member("goal_turn", &T::goal_turn, positive("rad", "the same of its orientation"));
   v.member("plans", &T::plans,

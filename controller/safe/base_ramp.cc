@@ -5,6 +5,7 @@
 #include <type_traits>
 
 namespace moma {
+
 BaseRamp::BaseRamp(const RobotModel& model) : dof_(model.base_dof()), acceleration_(model.base.max_acceleration) {}
 
 Vector3 BaseRamp::follow(const Vector3& command, double dt, Vector3& velocity) const noexcept {
