@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "controller/qp/limits.h"
 #include "controller/safe/brake_check.h"
 #include "controller/safe/evasion.h"
 
@@ -14,7 +15,8 @@ class EvasionGuard final : public Guard {
  public:
   EvasionGuard(const std::shared_ptr<const RobotModel>& model, const ControllerParams& p, double control_period)
       : base_dof_(model->base_dof()),
-        evasion_(model, p.collision.evasion, p.acceleration_limit, p.base_share, control_period),
+        evasion_(model, p.collision.evasion, p.acceleration_limit, p.base_share, bounded_speed(*model, p),
+                 control_period),
         base_(VectorX::Zero(model->num_velocities())) {}
 
   void set_objects(std::span<const ObjectShape> objects) override { evasion_.set_objects(objects); }

@@ -55,14 +55,7 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
     q_upper_[i] = model.joint(i).upper;
     part_[i] = limit_part(model.joint(i));
   }
-  const double foreseen = foreseen_speed(model, params.collision);
-  for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], foreseen);
-  if (params.sight.enabled && base_dof_ > 0) {
-    // Each of two linear velocities has its share.
-    const double part = std::sqrt(1.0 / kind_of(model.base.type).num_linear());
-    const double most = part * sight_speed(params.sight, model, params.acceleration_limit[0]);
-    for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], most);
-  }
+  for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], bounded_speed(model, params));
   for (int i = 0; i < model.num_velocities(); ++i)
     if (!(i < base_dof_ ? hard_base_ : hard_joints_) && std::isfinite(params.acceleration_limit[i]))
       has_soft_acceleration_ = true;
@@ -164,6 +157,14 @@ double sight_speed(const SightParams& sight, const RobotModel& model, double dec
   const double room = sight.range - sight.reach - sight.speed * sight.reaction;
   const double reaction = sight.reaction + (std::isinf(deceleration) ? 0.0 : sight.speed / deceleration);
   return std::min(model.base.max_linear, stoppable_speed(room, deceleration, reaction));
+}
+
+double bounded_speed(const RobotModel& model, const ControllerParams& params) noexcept {
+  const double foreseen = foreseen_speed(model, params.collision);
+  if (!params.sight.enabled || model.base_dof() == 0) return foreseen;
+  // Each of two linear velocities has its share.
+  const double part = std::sqrt(1.0 / kind_of(model.base.type).num_linear());
+  return std::min(foreseen, part * sight_speed(params.sight, model, params.acceleration_limit[0]));
 }
 
 LinearPair VelocityBounds::linear_pair(const VectorX& qdot) const noexcept {

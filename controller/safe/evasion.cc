@@ -19,11 +19,11 @@ Vector3 driven(const RobotModel& model, Vector3 velocity) noexcept {
   return fastest > model.base.wheels->max_speed ? velocity * (model.base.wheels->max_speed / fastest) : velocity;
 }
 
-std::vector<Vector3> base_velocities(const RobotModel& model) {
+std::vector<Vector3> base_velocities(const RobotModel& model, double v) {
   std::vector<Vector3> out;
   const int dof = model.base_dof();
   if (dof == 0) return out;
-  const double v = model.base.max_linear, w = model.base.max_angular;
+  const double w = model.base.max_angular;
   if (kind_of(model.base.type).lateral()) {
     constexpr int kDirections = 8;
     for (const double part : {1.0, 0.5})
@@ -43,14 +43,14 @@ std::vector<Vector3> base_velocities(const RobotModel& model) {
 }  // namespace
 
 Evasion::Evasion(std::shared_ptr<const RobotModel> model, const EvasionParams& params, const VectorX& acceleration,
-                 double share, double control_period)
+                 double share, double max_linear, double control_period)
     : model_(std::move(model)),
       params_(params),
       acceleration_(acceleration),
       dt_(control_period),
       ramp_(*model_),
       share_(share > 0.0 ? share : 1.0),
-      velocities_(base_velocities(*model_)),
+      velocities_(base_velocities(*model_, max_linear)),
       kinematics_(model_),
       proximity_(model_),
       q_(VectorX::Zero(model_->num_joints())),
@@ -60,6 +60,8 @@ Evasion::Evasion(std::shared_ptr<const RobotModel> model, const EvasionParams& p
 void Evasion::set_objects(std::span<const ObjectShape> objects) {
   proximity_.set_objects(objects);
   states_.assign(objects.size(), ObjectState{});
+  gaps_.assign(objects.size(), kInfinity);
+  need_.assign(objects.size(), 0.0);
   radii_.clear();
   for (const ObjectShape& object : objects) radii_.push_back(bounding_radius(object.shape));
 }
@@ -80,22 +82,25 @@ double Evasion::reach(const Observation& o, const VectorX& command) noexcept {
   return reach + moved + 2.0 * reach * turned;
 }
 
-// Measures distances at base_, q_ and states_; infinite beyond `range`. Skips objects whose spheres are all outside.
-Evasion::Gaps Evasion::look(double range) noexcept {
-  Gaps gaps;
+// Measures the objects' distances at base_, q_ and states_, infinite beyond `range`, and returns the least. Skips the
+// query if all spheres about objects are outside.
+double Evasion::look(double range) noexcept {
+  std::fill(gaps_.begin(), gaps_.end(), kInfinity);
   bool near = false;
   for (std::size_t i = 0; i < states_.size() && !near; ++i) {
     if (!states_[i].visible) continue;
     const Vector3 away = states_[i].X_WO.translation() - Vector3(base_.x(), base_.y(), 0.0);
     near = !(away.norm() > range + reach_ + radii_[i]);
   }
-  if (!near) return gaps;
+  if (!near) return kInfinity;
   kinematics_.place(base_, q_);
+  double least = kInfinity;
   for (const ProximityPair& pair : proximity_.query(kinematics_, states_, {range, -1.0, -1.0})) {
-    double& gap = in_motion(states_[static_cast<std::size_t>(pair.second)]) ? gaps.moving : gaps.resting;
+    double& gap = gaps_[static_cast<std::size_t>(pair.second)];
     gap = std::min(gap, pair.distance.d);
+    least = std::min(least, gap);
   }
-  return gaps;
+  return least;
 }
 
 // Moves the base towards its target, the arm by qdot_, and objects by their twists.
@@ -114,17 +119,17 @@ void Evasion::begin(const Observation& o) noexcept {
   std::copy(o.objects.begin(), o.objects.end(), states_.begin());
 }
 
-// Advances a way out by one moment: the base towards its target, the arm braking.
-void Evasion::go_on(const Vector3& target) noexcept {
+// Advances a way out: the base towards its target, the arm braking.
+void Evasion::go_on(const Vector3& target, double dt) noexcept {
   const int dof = ramp_.dof();
   for (Eigen::Index i = 0; i < q_.size(); ++i) {
-    const double lost = params_.step * acceleration_[dof + i], speed = std::abs(qdot_[i]);
+    const double lost = dt * acceleration_[dof + i], speed = std::abs(qdot_[i]);
     const double left = std::max(0.0, speed - lost);
     const double mean = left > 0.0 ? 0.5 * (speed + left) : (speed > 0.0 ? 0.5 * speed * speed / lost : 0.0);
     mean_[dof + i] = std::copysign(mean, qdot_[i]);
     qdot_[i] = std::copysign(left, qdot_[i]);
   }
-  drive(target, params_.step);
+  drive(target, dt);
 }
 
 // True if the way out towards `target` is clear after one period of `command`.
@@ -134,30 +139,30 @@ bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vecto
   qdot_ = command.tail(q_.size());
   mean_.tail(q_.size()) = qdot_;
   drive(ramp_.base_of(command), dt_);
-  double t = dt_;
-  while (t < params_.horizon) {
-    go_on(target);
-    t += params_.step;
-    const Gaps gaps = look(range);
-    const double need =
-        std::max(need_.moving, std::min(params_.share * params_.margin, need_.moving + params_.regain * t));
-    if (gaps.moving < need || gaps.resting < need_.resting) return false;
-    if (gaps.least() < params_.touch) return true;  // at least the present distance
+  double step = params_.first;
+  for (double t = dt_; t < params_.horizon; step = params_.step) {
+    go_on(target, step);
+    t += step;
+    const double least = look(range);
+    for (std::size_t i = 0; i < gaps_.size(); ++i)
+      if (gaps_[i] < need_[i]) return false;
+    if (least < params_.touch) return true;  // at least the present distance
   }
   return true;
 }
 
-// Value of the way out towards `target` that begins now: the time of the first contact [s]; without contact the
-// horizon, plus the least distance [m], plus up to `range` for the part of another horizon in which the robot may stand
-// at its end. A way out that drives on in front of a moving object ranks low.
+// Value of the way out towards `target` that begins now: the time of the first contact [s]. Without contact the
+// horizon and three terms: the least distance [m], up to `range` again for the part of the margin that it keeps, and up
+// to `range` for the part of another horizon in which the robot may stand at its end. So a way out with little room
+// ranks low, and so does one that drives on in front of a moving object.
 double Evasion::worth(const Observation& o, const Vector3& target, double range) noexcept {
   ++tried_;
   begin(o);
   double worst = range;
   for (double t = 0.0; t < params_.horizon;) {
-    go_on(target);
+    go_on(target, params_.step);
     t += params_.step;
-    const double least = look(range).least();
+    const double least = look(range);
     if (least < params_.touch) return t;
     worst = std::min(worst, least);
   }
@@ -165,9 +170,10 @@ double Evasion::worth(const Observation& o, const Vector3& target, double range)
   double stood = 0.0;
   for (; stood < params_.horizon; stood += params_.step) {
     drive(Vector3::Zero(), params_.step);
-    if (look(range).least() < params_.touch) break;
+    if (look(range) < params_.touch) break;
   }
-  return params_.horizon + worst + range * std::min(1.0, stood / params_.horizon);
+  return params_.horizon + worst + params_.ranked * std::min(worst, params_.margin) +
+         range * std::min(1.0, stood / params_.horizon);
 }
 
 bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base) noexcept {
@@ -179,13 +185,14 @@ bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base
   reach_ = reach(o, command);
   begin(o);
   const double range = std::max(params_.margin, params_.at_rest);
-  need_ = look(range);
-  need_ = {std::min(params_.margin, need_.moving), std::min(params_.at_rest, need_.resting)};
+  look(range);
+  for (std::size_t i = 0; i < need_.size(); ++i)
+    need_[i] = std::min(in_motion(states_[i]) ? params_.margin : params_.at_rest, gaps_[i]);
 
   const Vector3 stop = Vector3::Zero(), held = ramp_.base_of(command);
   if (is_clear(o, command, held, range) || is_clear(o, command, stop, range)) return true;
-  for (const Vector3& target : velocities_)
-    if (is_clear(o, command, target, range)) return true;
+  for (std::size_t i = 0; i < velocities_.size(); ++i, clear_ = (clear_ + 1) % velocities_.size())
+    if (is_clear(o, command, velocities_[clear_], range)) return true;
   double best = worth(o, stop, params_.ranked * range);
   Vector3 chosen = stop;
   for (const Vector3& target : velocities_) {

@@ -86,10 +86,9 @@ constexpr void describe(auto& v, Of<SeparationParams>) {
 struct EvasionParams {
   bool enabled = false;
   double horizon = 2.0;  ///< time for which moving objects are assumed to keep their twists [s]
-  double margin = 0.08;  ///< distance from them on a way out [m]
+  double margin = 0.1;   ///< distance from them on a way out [m]
   double at_rest = 0.02, touch = 0.005;
-  double step = 0.1;
-  double share = 0.5, regain = 0.1;
+  double first = 0.02, step = 0.1;
   double ranked = 3.0;
 };
 
@@ -99,12 +98,10 @@ constexpr void describe(auto& v, Of<EvasionParams>) {
   v.member("margin", &P::margin, positive("m", "distance from moving objects on a way out"));
   v.member("at_rest", &P::at_rest, unless_default(non_negative("m", "distance from objects at rest on a way out")));
   v.member("touch", &P::touch, unless_default(non_negative("m", "distance at which a way out ends in contact")));
-  v.member("step", &P::step, unless_default(in_range({0.01, 10.0}, "s", "interval between checks of a way out")));
-  v.member("share", &P::share, unless_default(share("share of `margin` that suffices where a way out begins")));
-  v.member("regain", &P::regain, unless_default(non_negative("m/s", "rate at which `margin` is asked again after it")));
-  v.member(
-      "ranked", &P::ranked,
-      unless_default(positive("1", "multiple of `margin` up to which distance ranks ways out that end in contact")));
+  v.member("first", &P::first, unless_default(in_range({0.001, 10.0}, "s", "time of a way out until its first check")));
+  v.member("step", &P::step, unless_default(in_range({0.01, 10.0}, "s", "interval between further checks")));
+  v.member("ranked", &P::ranked,
+           unless_default(positive("1", "multiple of `margin` up to which distance ranks ways out; weight within it")));
 }
 
 /// Memory of objects that are no longer reported (object_memory.h).

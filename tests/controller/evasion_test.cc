@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "controller/safe/base_ramp.h"
 #include "tests/controller/rig.h"
@@ -19,25 +21,23 @@ using namespace test;
 
 constexpr EvasionParams kParams{.enabled = true, .horizon = 2.0, .margin = 0.08};
 
-struct Distances {
-  double moving = kInfinity, resting = kInfinity;
-};
-
 class EvasionScene {
  public:
   EvasionScene(std::shared_ptr<const RobotModel> model, std::vector<ObjectShape> shapes)
       : model_(std::move(model)), kinematics_(model_), proximity_(model_) {
     proximity_.set_objects(shapes);
   }
-  Distances of(const Observation& o) {
+  // The robot's distance to each object.
+  std::vector<double> of(const Observation& o) {
     kinematics_.update(o.base, o.q);
-    Distances out;
+    std::vector<double> out(o.objects.size(), kInfinity);
     for (const ProximityPair& pair : proximity_.query(kinematics_, o.objects, {5.0, -1.0, -1.0})) {
-      double& d = in_motion(o.objects[static_cast<std::size_t>(pair.second)]) ? out.moving : out.resting;
+      double& d = out[static_cast<std::size_t>(pair.second)];
       d = std::min(d, pair.distance.d);
     }
     return out;
   }
+  double least(const Observation& o) { return std::ranges::min(of(o)); }
 
  private:
   std::shared_ptr<const RobotModel> model_;
@@ -55,8 +55,9 @@ void advance(const RobotModel& model, Observation& o, const VectorX& velocity, d
 bool clear_in_fine_steps(const RobotModel& model, EvasionScene& scene, Observation o, const VectorX& command,
                          const Vector3& target, double arm, double slack) {
   constexpr double kStep = 1e-3;
-  const Distances now = scene.of(o);
-  const double moving = std::min(kParams.margin, now.moving) - slack, resting = std::min(0.02, now.resting) - slack;
+  std::vector<double> need = scene.of(o);
+  for (std::size_t i = 0; i < need.size(); ++i)
+    need[i] = std::min(in_motion(o.objects[i]) ? kParams.margin : kParams.at_rest, need[i]) - slack;
   const int dof = model.base_dof();
   VectorX v = o.qdot;
   v.tail(model.num_joints()) = command.tail(model.num_joints());
@@ -74,9 +75,7 @@ bool clear_in_fine_steps(const RobotModel& model, EvasionScene& scene, Observati
       for (int i = dof; i < v.size(); ++i) v[i] -= std::copysign(std::min(std::fabs(v[i]), arm * kStep), v[i]);
     advance(model, o, v, kStep);
     if (k % 10 != 9 || first) continue;
-    const Distances d = scene.of(o);
-    const double need = std::max(moving, std::min(0.5 * kParams.margin - slack, moving + 0.1 * (k + 1) * kStep));
-    if (d.moving < need || d.resting < resting) return false;
+    if (!std::ranges::equal(scene.of(o), need, std::greater_equal<>())) return false;
   }
   return true;
 }
@@ -119,10 +118,10 @@ TEST(Evasion, WhatPassesHasAWayOutAndWhatDoesNotHasNone) {
     const VectorX acceleration = VectorX::Constant(model->num_velocities(), 5.0);
     for (int trial = 0; trial < 120; ++trial) {
       Drawn d = draw(*model, rng);
-      Evasion evasion(model, kParams, acceleration, 0.95, kPeriod);
+      Evasion evasion(model, kParams, acceleration, 0.95, model->base.max_linear, kPeriod);
       evasion.set_objects(d.shapes);
       EvasionScene scene(model, d.shapes);
-      if (scene.of(d.o).moving < 0.02 || scene.of(d.o).resting < 0.02) continue;
+      if (scene.least(d.o) < 0.02) continue;
       VectorX base = VectorX::Zero(model->num_velocities());
       const bool passes = evasion.passes(d.o, d.command, base);
       std::vector<Vector3> targets{Vector3::Zero(), Vector3::Zero()};
@@ -145,6 +144,66 @@ TEST(Evasion, WhatPassesHasAWayOutAndWhatDoesNotHasNone) {
   }
   EXPECT_GT(passed, 100);
   EXPECT_GT(refused, 10);
+}
+
+// A ball in front of Frankie and one behind it, both in motion.
+struct Between {
+  std::shared_ptr<const RobotModel> model = frankie();
+  std::vector<ObjectShape> balls{{"before", {ShapeKind::kSphere, {0.2, 0, 0}, nullptr}},
+                                 {"behind", {ShapeKind::kSphere, {0.2, 0, 0}, nullptr}}};
+  EvasionScene scene{model, balls};
+  Observation o;
+
+  Between(double before, double behind) {
+    o.q = model->ready;
+    o.qdot = VectorX::Zero(model->num_velocities());
+    o.objects.resize(2);
+    for (const int side : {1, -1}) o.objects[side > 0 ? 0 : 1].X_WO.translation() = Vector3(side * 3.0, 0, 0.25);
+    for (int k = 0; k < 50; ++k) {  // distances shrink by no more than the balls move
+      const std::vector<double> gaps = scene.of(o);
+      o.objects[0].X_WO.translation().x() -= gaps[0] - before;
+      o.objects[1].X_WO.translation().x() += gaps[1] - behind;
+    }
+  }
+  bool passes(double forward, const EvasionParams& params = kParams) {
+    VectorX command = o.qdot, base = o.qdot;
+    command[0] = forward;
+    Evasion evasion(model, params, VectorX::Constant(model->num_velocities(), 5.0), 1.0, model->base.max_linear,
+                    kPeriod);
+    evasion.set_objects(balls);
+    return evasion.passes(o, command, base);
+  }
+};
+
+// What is near on one side takes nothing from the distance to what comes on the other: the ball before the robot comes
+// to 5 cm within the horizon if the robot stands, which is less than the margin.
+TEST(Evasion, EachObjectHasADistanceOfItsOwn) {
+  for (const double behind : {2.5, 0.03}) {
+    Between scene(0.11, behind);
+    scene.o.objects[0].V_WO_W[3] = -0.03;
+    scene.o.objects[1].V_WO_W[4] = 0.02;
+    EXPECT_EQ(scene.passes(0.0), behind > 1.0) << behind << " m behind it";
+  }
+}
+
+// Within the margin the robot comes nearer only as fast as it stops until the first check.
+TEST(Evasion, ComesNearerOnlyAsFastAsItStops) {
+  for (const double speed : {0.0, 0.03, 0.06, 0.09, 0.15, 0.3})
+    for (const double first : {0.02, 0.1}) {
+      Between scene(0.07, 2.0);
+      scene.o.objects[0].V_WO_W[4] = 0.02;
+      scene.o.qdot[0] = speed;
+      EvasionParams params = kParams;
+      params.first = first;
+      // Distance covered in one period and in the time of the first check, while the base brakes and backs off.
+      const double a = scene.model->base.max_acceleration.x();
+      const double covered = speed * (kPeriod + first) - 0.5 * a * first * first;
+      EXPECT_EQ(scene.passes(speed, params), covered <= 0.0) << speed << " m/s, " << first << " s";
+    }
+  Between far(0.5, 2.0);
+  far.o.objects[0].V_WO_W[4] = 0.02;
+  far.o.qdot[0] = 0.3;
+  EXPECT_TRUE(far.passes(0.3));
 }
 
 TEST(Evasion, LeavesWorldsAloneInWhichNothingMoves) {
@@ -203,7 +262,7 @@ TEST(Evasion, ARobotIsNotRunOver) {
       const Vector3 way(std::cos(from), std::sin(from), 0.0);
       o.objects[0].X_WO.translation() = Vector3(0.3 * after, 0, 0.4) + speed * after * way;
       o.objects[0].V_WO_W.tail<3>() = -speed * way;
-      if (scene.of(o).moving < 0.3) continue;
+      if (scene.least(o) < 0.3) continue;
       bool touched = false;
       for (int k = 0; k < 300 && !touched; ++k) {
         rig.step(o);
@@ -215,7 +274,7 @@ TEST(Evasion, ARobotIsNotRunOver) {
         }
         advance(*model, o, rig.result.command, kPeriod);
         o.qdot = rig.result.command;
-        touched = scene.of(o).moving < 0.0;
+        touched = scene.least(o) < 0.0;
       }
       hit[evading ? 1 : 0] += touched ? 1 : 0;
     }
