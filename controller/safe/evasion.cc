@@ -53,6 +53,8 @@ Evasion::Evasion(std::shared_ptr<const RobotModel> model, const EvasionParams& p
       velocities_(base_velocities(*model_, max_linear)),
       kinematics_(model_),
       proximity_(model_),
+      range_(std::max(params.margin + params.reaction * max_linear, params.at_rest)),
+      num_linear_(kind_of(model_->base.type).num_linear()),
       q_(VectorX::Zero(model_->num_joints())),
       qdot_(q_),
       mean_(VectorX::Zero(model_->num_velocities())) {}
@@ -133,7 +135,7 @@ void Evasion::go_on(const Vector3& target, double dt) noexcept {
 }
 
 // True if the way out towards `target` is clear after one period of `command`.
-bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vector3& target, double range) noexcept {
+bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vector3& target) noexcept {
   ++tried_;
   begin(o);
   qdot_ = command.tail(q_.size());
@@ -143,9 +145,10 @@ bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vecto
   for (double t = dt_; t < params_.horizon; step = params_.step) {
     go_on(target, step);
     t += step;
-    const double least = look(range);
+    const double least = look(range_);
+    const double margin = params_.margin + params_.reaction * velocity_.head(num_linear_).norm();
     for (std::size_t i = 0; i < gaps_.size(); ++i)
-      if (gaps_[i] < need_[i]) return false;
+      if (gaps_[i] < (in_motion(states_[i]) ? std::min(margin, need_[i]) : need_[i])) return false;
     if (least < params_.touch) return true;  // at least the present distance
   }
   return true;
@@ -155,9 +158,10 @@ bool Evasion::is_clear(const Observation& o, const VectorX& command, const Vecto
 // horizon and three terms: the least distance [m], up to `range` again for the part of the margin that it keeps, and up
 // to `range` for the part of another horizon in which the robot may stand at its end. So a way out with little room
 // ranks low, and so does one that drives on in front of a moving object.
-double Evasion::worth(const Observation& o, const Vector3& target, double range) noexcept {
+double Evasion::worth(const Observation& o, const Vector3& target) noexcept {
   ++tried_;
   begin(o);
+  const double range = params_.ranked * params_.margin;
   double worst = range;
   for (double t = 0.0; t < params_.horizon;) {
     go_on(target, params_.step);
@@ -184,19 +188,18 @@ bool Evasion::passes(const Observation& o, const VectorX& command, VectorX& base
     return true;
   reach_ = reach(o, command);
   begin(o);
-  const double range = std::max(params_.margin, params_.at_rest);
-  look(range);
+  look(range_);
   for (std::size_t i = 0; i < need_.size(); ++i)
-    need_[i] = std::min(in_motion(states_[i]) ? params_.margin : params_.at_rest, gaps_[i]);
+    need_[i] = std::min(in_motion(states_[i]) ? range_ : params_.at_rest, gaps_[i]);
 
   const Vector3 stop = Vector3::Zero(), held = ramp_.base_of(command);
-  if (is_clear(o, command, held, range) || is_clear(o, command, stop, range)) return true;
+  if (is_clear(o, command, held) || is_clear(o, command, stop)) return true;
   for (std::size_t i = 0; i < velocities_.size(); ++i, clear_ = (clear_ + 1) % velocities_.size())
-    if (is_clear(o, command, velocities_[clear_], range)) return true;
-  double best = worth(o, stop, params_.ranked * range);
+    if (is_clear(o, command, velocities_[clear_])) return true;
+  double best = worth(o, stop);
   Vector3 chosen = stop;
   for (const Vector3& target : velocities_) {
-    const double value = worth(o, target, params_.ranked * range);
+    const double value = worth(o, target);
     if (!(value > best)) continue;
     best = value;
     chosen = target;

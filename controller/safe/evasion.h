@@ -18,13 +18,13 @@ namespace moma {
 ///
 /// A way out is a motion of a fixed set: the base ramps to a velocity and keeps it, the arm brakes. The set has
 /// stopping, the command's own velocity, and velocities forwards, backwards, sideways if the base can, and turning.
-/// Objects keep their twists. A way out is clear if for `horizon` seconds the robot stays at least `margin` from each
-/// moving object and 2 cm from each resting one, or as far as it is from that object now if this is less. It is checked
-/// `first` after the command's period, so that the robot approaches an object within the margin no faster than it stops
-/// in that time, and every `step` from then on. A command passes if some way out is clear after one period of it
-/// (backup sets: Gurriet et al., IEEE Access 8, 2020; here the motions end at the horizon). If none is clear, the base
-/// starts the best way out that begins now: the one with the latest contact or, without contact, the one that keeps the
-/// largest distance and ends where the robot may stand longest.
+/// Objects keep their twists. A way out is clear if for `horizon` seconds the robot stays at least `margin` plus
+/// `reaction` times its base's speed from each moving object and 2 cm from each resting one, or as far as it is from
+/// that object now if this is less. It is checked `first` after the command's period, so that the robot approaches an
+/// object within the margin no faster than it stops in that time, and every `step` from then on. A command passes if
+/// some way out is clear after one period of it (backup sets: Gurriet et al., IEEE Access 8, 2020; here the motions end
+/// at the horizon). If none is clear, the base starts the best way out that begins now: the one with the latest contact
+/// or, without contact, the one that keeps the largest distance and ends where the robot may stand longest.
 ///
 /// Without memory: the same inputs give the same bits. One per controller; only set_objects() allocates.
 class Evasion {
@@ -53,8 +53,8 @@ class Evasion {
   void drive(const Vector3& target, double dt) noexcept;
   void begin(const Observation& o) noexcept;
   void go_on(const Vector3& target, double dt) noexcept;
-  bool is_clear(const Observation& o, const VectorX& command, const Vector3& target, double range) noexcept;
-  double worth(const Observation& o, const Vector3& target, double range) noexcept;
+  bool is_clear(const Observation& o, const VectorX& command, const Vector3& target) noexcept;
+  double worth(const Observation& o, const Vector3& target) noexcept;
 
   std::shared_ptr<const RobotModel> model_;
   EvasionParams params_;
@@ -69,7 +69,9 @@ class Evasion {
   std::vector<ObjectState> states_;
   std::vector<double> radii_;        // radii of spheres about the objects' origins that enclose them [m]
   std::vector<double> gaps_, need_;  // distances of the objects, and those that a way out keeps [m]
-  double reach_ = 0.0;               // radius of the robot about the base's origin [m]
+  double range_;                     // largest distance that a way out keeps [m]
+  int num_linear_;
+  double reach_ = 0.0;  // radius of the robot about the base's origin [m]
   Vector3 base_ = Vector3::Zero(), velocity_ = Vector3::Zero();
   VectorX q_, qdot_, mean_;
   int tried_ = 0;

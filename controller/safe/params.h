@@ -85,8 +85,9 @@ constexpr void describe(auto& v, Of<SeparationParams>) {
 /// Evasion: if no admissible command avoids a moving object, the base drives away (evasion.h).
 struct EvasionParams {
   bool enabled = false;
-  double horizon = 2.0;  ///< time for which moving objects are assumed to keep their twists [s]
-  double margin = 0.1;   ///< distance from them on a way out [m]
+  double horizon = 2.0;   ///< time for which moving objects are assumed to keep their twists [s]
+  double margin = 0.1;    ///< distance from them on a way out [m]
+  double reaction = 0.1;  ///< further distance per speed of the base [s]
   double at_rest = 0.02, touch = 0.005;
   double first = 0.02, step = 0.1;
   double ranked = 3.0;
@@ -96,6 +97,7 @@ constexpr void describe(auto& v, Of<EvasionParams>) {
   using P = EvasionParams;
   v.member("horizon", &P::horizon, in_range({0.0, 10.0, true}, "s", "horizon of the prediction"));
   v.member("margin", &P::margin, positive("m", "distance from moving objects on a way out"));
+  v.member("reaction", &P::reaction, unless_default(non_negative("s", "further distance per speed of the base")));
   v.member("at_rest", &P::at_rest, unless_default(non_negative("m", "distance from objects at rest on a way out")));
   v.member("touch", &P::touch, unless_default(non_negative("m", "distance at which a way out ends in contact")));
   v.member("first", &P::first, unless_default(in_range({0.001, 10.0}, "s", "time of a way out until its first check")));
