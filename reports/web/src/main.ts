@@ -16,6 +16,11 @@ import * as state from './state';
 import { startTheme } from './theme';
 import { startView } from './view';
 
+const kSections = [
+  ['risk', 'Rare events'], ['tuning', 'Tuning'], ['results', 'Results'], ['time', 'Time'], ['difficulty', 'Difficulty'], ['sweep', 'Sweep'], ['quality', 'Quality'],
+  ['pairs', 'Pairs'], ['failures', 'Failures'], ['replay', 'Replay'], ['timing', 'Timing'], ['trials', 'Trials'], ['provenance', 'Provenance'],
+] as const;
+
 function section(id: string, title: string, ...content: Node[]): HTMLElement {
   return h('section', { id, 'aria-labelledby': `${id}-title` }, h('h2', { id: `${id}-title` }, title), ...content);
 }
@@ -29,13 +34,9 @@ function start(app: HTMLElement, page: PageData): void {
     replace(app, masthead(model, live), h('main', null, section('provenance', 'Provenance', provenance(model))));
     return;
   }
-  const sections: [id: string, title: string][] = [
-    ...(rare ? [['risk', 'Rare events'] as [string, string]] : []),
-    ...(page.tuning.length > 0 ? [['tuning', 'Tuning'] as [string, string]] : []),   // what the search was made for
-    ['results', 'Results'], ['time', 'Time'], ['difficulty', 'Difficulty'],
-    ...(isSwept(model) ? [['sweep', 'Sweep'] as [string, string]] : []),
-    ['quality', 'Quality'], ['pairs', 'Pairs'], ['failures', 'Failures'], ['replay', 'Replay'], ['timing', 'Timing'], ['trials', 'Trials'], ['provenance', 'Provenance'],
-  ].filter(([id = '']) => model.trials.n > 0 || id === 'risk' || id === 'provenance') as [string, string][];
+  const filled = model.trials.n > 0;
+  const present: Record<string, boolean> = { risk: rare, tuning: filled && page.tuning.length > 0, sweep: filled && isSwept(model), provenance: true };
+  const sections = kSections.filter(([id]) => present[id] ?? filled);
   const bar = toolbar(model, sections);
   const skip = h('a', { class: 'skip', href: '#results', click: (event) => {
     event.preventDefault();

@@ -66,7 +66,7 @@ function gainOptions(): [string, string][] {
   return keys.length > 2 ? keys.map((key) => [key, short(key)]) : [];
 }
 
-function heat(): FigureSpec {
+export function heat(): FigureSpec {
   return {
     id: 'heat',
     title: () => `${upper(measure().name)} over two gains`,
@@ -126,8 +126,4 @@ function heat(): FigureSpec {
       };
     },
   };
-}
-
-export function sweep(): FigureSpec[] {
-  return [heat(), slices()];
 }
