@@ -6,6 +6,7 @@ import * as echarts from 'echarts/core';
 import { CanvasRenderer, SVGRenderer } from 'echarts/renderers';
 
 import { h } from './dom';
+import type { Table } from './format';
 import { seriesInk, type Palette } from './theme';
 
 echarts.use([
@@ -15,12 +16,10 @@ echarts.use([
 
 export type Option = Record<string, unknown>;
 
-interface Drawing {
+interface Drawing extends Table {
   option: Option;
   /** Evidence behind the figure: number of trials, kind of interval. */
   note: string;
-  columns: string[];
-  rows: (string | number | null)[][];
   height?: number;
 }
 

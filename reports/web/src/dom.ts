@@ -18,16 +18,27 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-export function append(parent: Node, ...children: Child[]): void {
-  for (const child of children) {
-    if (child === null || child === undefined || child === false) continue;
-    parent.appendChild(child instanceof Node ? child : document.createTextNode(String(child)));
-  }
+export function append(parent: ParentNode, ...children: Child[]): void {
+  parent.append(...children.filter((child) => child !== null && child !== undefined && child !== false).map((child) => (child instanceof Node ? child : String(child))));
 }
 
-export function replace(parent: Node, ...children: Child[]): void {
-  while (parent.firstChild) parent.removeChild(parent.firstChild);
+export function replace(parent: ParentNode, ...children: Child[]): void {
+  parent.replaceChildren();
   append(parent, ...children);
+}
+
+export function button(text: string, click: (event: Event) => void, kind: 'quiet' | 'play' = 'quiet'): HTMLButtonElement {
+  return h('button', { type: 'button', class: kind, click }, text);
+}
+
+/** The entries of a <dl>. */
+export function terms(pairs: readonly (readonly [name: string, value: string])[]): HTMLElement[] {
+  return pairs.map(([name, value]) => h('div', null, h('dt', null, name), h('dd', null, value)));
+}
+
+/** A name behind a spot of its colour. */
+export function dotted(colour: string, name: string): HTMLElement {
+  return h('span', { class: 'dotted', style: `--c:${colour}` }, name);
 }
 
 /** A labelled <select>; `change` gets the chosen value. */
@@ -77,11 +88,7 @@ export function roving(box: HTMLElement, selector: string): HTMLElement {
 }
 
 /** Gives the user a file, from memory. */
-export function download(name: string, type: string, text: string): void {
-  downloadBlob(name, new Blob([text], { type }));
-}
-
-export function downloadBlob(name: string, blob: Blob): void {
+export function download(name: string, blob: Blob): void {
   const url = URL.createObjectURL(blob);
   const link = h('a', { href: url, download: name });
   document.body.appendChild(link);
@@ -90,13 +97,15 @@ export function downloadBlob(name: string, blob: Blob): void {
   setTimeout(() => URL.revokeObjectURL(url), 1000);
 }
 
-export async function copy(text: string, button: HTMLElement): Promise<void> {
-  const before = button.textContent;
-  try {
-    await navigator.clipboard.writeText(text);
-    button.textContent = 'Copied';
-  } catch {
-    button.textContent = 'Select and copy';
-  }
-  setTimeout(() => (button.textContent = before), 1400);
+export function copyButton(text: string): HTMLButtonElement {
+  const made = button('Copy', async () => {
+    try {
+      await navigator.clipboard.writeText(text);
+      made.textContent = 'Copied';
+    } catch {
+      made.textContent = 'Select and copy';
+    }
+    setTimeout(() => (made.textContent = 'Copy'), 1400);
+  });
+  return made;
 }

@@ -3,9 +3,9 @@
 import * as echarts from 'echarts/core';
 
 import { base, textOf, type FigureSpec, type Option } from './chart';
-import { choice, download, h, replace } from './dom';
-import { csv } from './format';
+import { button, choice, download, h, replace } from './dom';
 import { drawLater, drawOrWait } from './draw_order';
+import { footer, saveCsv } from './panel';
 import { onPaper, paperFigure, paperPlace, svgOf } from './paper';
 import * as state from './state';
 import { onTheme, palette } from './theme';
@@ -16,13 +16,16 @@ export function figure(spec: FigureSpec): HTMLElement {
   const title = h('h3', null, textOf(spec.title));
   const caption = h('p', null, textOf(spec.caption));
   const note = h('p', { class: 'note' });
-  const saveSvg = h('button', { type: 'button', class: 'quiet', click: () => save() }, 'Save SVG');
-  const saveCsv = h('button', { type: 'button', class: 'quiet', click: () => saveData() }, 'Data CSV');
+  const svgButton = button('Save SVG', () => {
+    const svg = svgOf(spec);
+    if (svg !== null) download(`${spec.id}.svg`, new Blob([svg], { type: 'image/svg+xml' }));
+  });
+  const csvButton = saveCsv(spec.id, () => spec.draw(palette(), 760));
   const controls = h('div', { class: 'controls' });
   const paper = paperPlace();
   const element = h('figure', { class: 'figure', id: `figure-${spec.id}` },
     h('figcaption', null, h('div', null, title, caption), controls),
-    plot, paper, h('footer', null, note, h('div', { class: 'actions' }, saveSvg, saveCsv)));
+    plot, paper, footer(note, svgButton, csvButton));
   let chart: echarts.ECharts | null = null;
   let started = false;
   let stale = false;   // asked to follow the theme or the view, not drawn since
@@ -35,7 +38,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     caption.textContent = textOf(spec.caption);
     width = plot.clientWidth;   // asked for once: after changes to the page each answer is a layout
     const drawing = spec.draw(palette(), width);
-    saveSvg.hidden = saveCsv.hidden = drawing === null;
+    svgButton.hidden = csvButton.hidden = drawing === null;
     if (drawing === null) {
       chart?.dispose();
       chart = null;
@@ -63,16 +66,6 @@ export function figure(spec: FigureSpec): HTMLElement {
     chart.setOption({ ...common, ...drawing.option, tooltip, ...still, series }, { notMerge: true });
     note.textContent = drawing.note + naming();
     plot.setAttribute('aria-label', `${textOf(spec.title)}. ${drawing.note}`);
-  };
-
-  const save = (): void => {
-    const svg = svgOf(spec);
-    if (svg !== null) download(`${spec.id}.svg`, 'image/svg+xml', svg);
-  };
-
-  const saveData = (): void => {
-    const drawing = spec.draw(palette(), 760);
-    if (drawing !== null) download(`${spec.id}.csv`, 'text/csv', csv(drawing.columns, drawing.rows));
   };
 
   const fillControls = (): void => replace(controls, ...(spec.choices ?? []).map(({ key, label, options, value }) => {

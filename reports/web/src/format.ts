@@ -104,8 +104,10 @@ export function seconds(value: number | null | undefined): string {
   return value === null || value === undefined || !Number.isFinite(value) ? kNone : `${fixed(value, value < 10 ? 2 : 1)}\u00a0s`;
 }
 
-/** A column of any CSV: quotes where needed; numbers with every digit. */
-export function csv(columns: readonly string[], rows: readonly (readonly (string | number | null)[])[]): string {
+export interface Table { columns: readonly string[]; rows: readonly (readonly (string | number | null)[])[] }
+
+/** Quotes where needed; numbers with every digit. */
+export function csv({ columns, rows }: Table): string {
   const cell = (value: string | number | null): string => {
     if (value === null || (typeof value === 'number' && Number.isNaN(value))) return '';
     const text = String(value);

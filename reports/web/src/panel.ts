@@ -1,8 +1,8 @@
 // Panels between the page's figures: they are filled when seen, and offer their data as CSV.
 
 import { drawLater, drawOrWait } from './draw_order';
-import { download, h } from './dom';
-import { csv } from './format';
+import { button, download, h, type Child } from './dom';
+import { csv, type Table } from './format';
 import { onTheme } from './theme';
 import { onView } from './view';
 
@@ -21,7 +21,15 @@ export function fillLater(element: HTMLElement, fill: () => void): void {
   onTheme(refill);
 }
 
-/** A button that saves a table; `data` gives it when it is clicked. */
-export function saveCsv(name: string, columns: readonly string[], data: () => readonly (readonly (string | number | null)[])[]): HTMLButtonElement {
-  return h('button', { type: 'button', class: 'quiet', click: () => download(`${name}.csv`, 'text/csv', csv(columns, data())) }, 'Data CSV');
+/** A button that saves a table; `data` gives it when it is clicked, null where there is none. */
+export function saveCsv(name: string, data: () => Table | null): HTMLButtonElement {
+  return button('Data CSV', () => {
+    const table = data();
+    if (table !== null) download(`${name}.csv`, new Blob([csv(table)], { type: 'text/csv' }));
+  });
+}
+
+/** What stands below a figure or a table: a note, and what can be done with it. */
+export function footer(note: Child, ...actions: Node[]): HTMLElement {
+  return h('footer', null, note, h('div', { class: 'actions' }, ...actions));
 }

@@ -1,7 +1,7 @@
 // Which motions are played: the list of trials to choose from, and another controller's motion in the same world beside it.
 
 import { outcomeName, type Model } from '../data';
-import { h, replace, roving } from '../dom';
+import { dotted, h, replace, roving } from '../dom';
 import { integer, plural } from '../format';
 import { select } from '../select';
 import * as state from '../state';
@@ -43,7 +43,7 @@ export class MotionList {
       return h('button', {
         type: 'button', role: 'option', 'aria-selected': trial === current ? 'true' : 'false', click: () => select(trial, true),
       },
-        h('span', { class: 'dotted', style: `--c:${outcomeColour(p, t.outcome(row))}` }, outcomeName(t.outcome(row))),
+        dotted(outcomeColour(p, t.outcome(row)), outcomeName(t.outcome(row))),
         h('small', null, `${t.text('controller', row)} \u00b7 ${t.text('family', row)} ${integer(t.number('world', row))}`),
         t.text('point', row) === '' ? null : h('small', null, t.text('point', row)),
         t.text('link', row) === '' ? null : h('small', null, `${t.text('link', row)} \u2013 ${t.text('object', row)}`));

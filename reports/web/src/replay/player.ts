@@ -2,7 +2,7 @@
 
 import { disturbed } from '../conditions';
 import { outcomeName, type Model, type Motion } from '../data';
-import { h, replace } from '../dom';
+import { button, dotted, h, replace } from '../dom';
 import { fixed, integer, plural } from '../format';
 import { goToSection } from '../go_to';
 import { drawLater, isNear, whenSeen } from '../draw_order';
@@ -66,17 +66,17 @@ export function player(model: Model): HTMLElement {
   const canvas = h('canvas', { class: 'stage', tabindex: 0, 'aria-label': 'Replay in 3-D; drag to turn; after a click the wheel comes closer' });
   const lines = h('canvas', { class: 'timeline', 'aria-hidden': 'true' });
   const signal = h('select', { 'aria-label': 'Signal', change: () => { chooseSignal(); draw(); } });
-  const play = h('button', { type: 'button', class: 'play', click: () => toggle() }, 'Play');
+  const play = button('Play', () => toggle(), 'play');
   const scrub = h('input', { type: 'range', min: 0, max: 1, step: 'any', value: 0, 'aria-label': 'Time', input: () => moveTo(Number(scrub.value)) });
   const clock = h('output', { class: 'clock' });
   const speed = h('select', { 'aria-label': 'Speed', change: () => { playback.rate = Number(speed.value); } }, ...kSpeeds.map((s) => h('option', { value: s, selected: s === 1 }, `${s}\u00d7`)));
   const follow = h('input', { type: 'checkbox', change: () => { if (scene !== null) scene.follow = follow.checked; } });
-  const home = h('button', { type: 'button', class: 'quiet', click: () => { scene?.home(); scene?.set(playback.time); draw(); } }, 'Reset view');
+  const home = button('Reset view', () => { scene?.home(); scene?.set(playback.time); draw(); });
   const caption = h('div', { class: 'replay-caption' });
   const status = h('p', { class: 'note' });
   const ahead = h('p', { class: 'note plan-now' });
-  const closest = h('button', { type: 'button', class: 'quiet', click: () => jump('least') }, 'Closest approach');
-  const stopped = h('button', { type: 'button', class: 'quiet', click: () => jump('end') }, 'Why it stopped');
+  const closest = button('Closest approach', () => jump('least'));
+  const stopped = button('Why it stopped', () => jump('end'));
   const shapes = h('input', { type: 'checkbox', change: () => { scene?.setShapes(shapes.checked); tellTriangles(); show(); } });
   const shapesBox = h('label', { hidden: true, title: 'What counts in collisions, in place of what the robot looks like' }, shapes, ' shapes');
   const layers = kLayers.map(({ layer, name, title, on }) => {
@@ -151,13 +151,12 @@ export function player(model: Model): HTMLElement {
 
   const tellLegend = (): void => {
     const c = colours();
-    const part = (colour: string, text: string): Node => h('span', { class: 'dotted', style: `--c:${colour}` }, text);
     const t = model.trials;
-    replace(legend, part(c.arm, 'robot'), part(c.goal, 'goal: the hand as it must arrive, a ball as large as the tolerance'), part(c.path, 'path of the hand, paler at its begin'),
-      part(c.hit, 'touched, or a row that holds the command back'),
-      shows('occupied') ? part(c.occupied, 'occupied cells of the map') : null, shows('unseen') ? part(c.unseen, 'unseen cells near the robot') : null,
-      shows('fields') ? part(c.field, 'what a sensor can see, to its range') : null,
-      trace !== null && looksAhead(trace) ? part(c.plan, 'where the base is to go: the path that it follows, or a detour') : null, ghost === null ? null : part(c.ghost, `${[t.text('controller', model.row(ghost.trial) ?? -1), t.text('point', model.row(ghost.trial) ?? -1)].join(' ').trim()} in the same world`));
+    replace(legend, dotted(c.arm, 'robot'), dotted(c.goal, 'goal: the hand as it must arrive, a ball as large as the tolerance'), dotted(c.path, 'path of the hand, paler at its begin'),
+      dotted(c.hit, 'touched, or a row that holds the command back'),
+      shows('occupied') ? dotted(c.occupied, 'occupied cells of the map') : null, shows('unseen') ? dotted(c.unseen, 'unseen cells near the robot') : null,
+      shows('fields') ? dotted(c.field, 'what a sensor can see, to its range') : null,
+      trace !== null && looksAhead(trace) ? dotted(c.plan, 'where the base is to go: the path that it follows, or a detour') : null, ghost === null ? null : dotted(c.ghost, `${[t.text('controller', model.row(ghost.trial) ?? -1), t.text('point', model.row(ghost.trial) ?? -1)].join(' ').trim()} in the same world`));
   };
 
   const tellTriangles = (): void => { stage.dataset['triangles'] = String(scene?.triangles() ?? 0); };

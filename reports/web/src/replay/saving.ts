@@ -1,6 +1,6 @@
 // Files to save: a moment of a motion as PNG, the motion as WebM.
 
-import { downloadBlob, h } from '../dom';
+import { button, download } from '../dom';
 import { fixed, integer } from '../format';
 
 /** Frames a second of a motion that is saved. */
@@ -25,9 +25,9 @@ export interface Shown {
 
 export function pictureButton(of: Shown): HTMLButtonElement {
   const save = (): void => {
-    if (of.name() !== '') of.picture().toBlob((blob) => { if (blob !== null) downloadBlob(`${of.name()}-${fixed(of.time(), 2)}s.png`, blob); });
+    if (of.name() !== '') of.picture().toBlob((blob) => { if (blob !== null) download(`${of.name()}-${fixed(of.time(), 2)}s.png`, blob); });
   };
-  return h('button', { type: 'button', class: 'quiet', click: save }, 'Save PNG');
+  return button('Save PNG', save);
 }
 
 /** Records the motion from its begin to its end at the chosen speed; a second click stops that. */
@@ -45,20 +45,20 @@ export function filmButton(of: Shown): HTMLButtonElement {
     const drawFrame = (k: number): void => {
       of.seek((k * rate) / kFps);
       of.picture();
-      button.textContent = `Stop at ${integer(Math.round((100 * k) / frames))} %`;
+      made.textContent = `Stop at ${integer(Math.round((100 * k) / frames))} %`;
     };
     try {
       // The encoder is a large part of the script; it starts with the first film.
       const { film } = await import('./film');
       const video = await film(of.picture(), frames, kFps, drawFrame, () => filming === mine && of.name() === name);
-      if (video !== null) downloadBlob(`${name}.webm`, video);
-      button.textContent = 'Save WebM';
+      if (video !== null) download(`${name}.webm`, video);
+      made.textContent = 'Save WebM';
     } catch {
-      button.textContent = 'No WebM here';   // a browser that encodes no video
+      made.textContent = 'No WebM here';   // a browser that encodes no video
     }
     if (filming === mine) filming = null;
     if (of.name() === name) of.seek(from);
   };
-  const button = h('button', { type: 'button', class: 'quiet', click: () => void save() }, 'Save WebM');
-  return button;
+  const made = button('Save WebM', () => void save());
+  return made;
 }

@@ -2,10 +2,10 @@
 
 import { kMeanInterval, pairs, type Pairs } from '../compare';
 import type { Model, Series } from '../data';
-import { choice, h, replace, table } from '../dom';
+import { choice, dotted, h, replace, table } from '../dom';
 import { fixed, integer, plural, probability, signed } from '../format';
 import { kMetrics, withUnit, type Metric } from '../metrics';
-import { fillLater, saveCsv } from '../panel';
+import { fillLater, footer, saveCsv } from '../panel';
 import * as state from '../state';
 import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
@@ -38,7 +38,7 @@ export function comparison(model: Model): HTMLElement {
   const controls = h('div', { class: 'controls' });
   const note = h('p', { class: 'note' });
   let data: (string | number | null)[][] = [];
-  const saveButton = saveCsv('comparison', ['controller', 'baseline', 'measure', 'n', 'difference', 'low', 'high', 'only_baseline', 'only_controller', 'p', 'p_holm'], () => data);
+  const saveButton = saveCsv('comparison', () => ({ columns: ['controller', 'baseline', 'measure', 'n', 'difference', 'low', 'high', 'only_baseline', 'only_controller', 'p', 'p_holm'], rows: data }));
   const fill = (): void => {
     const { series } = view();
     const base = baseline();
@@ -57,7 +57,7 @@ export function comparison(model: Model): HTMLElement {
     replace(box, table('Paired comparison',
       ['Controller', 'Worlds', ...['Success', 'Collision'].map((name) => [name, h('small', null, 'percentage points, exact McNemar')]), ...compared().map((of) => [of.name, h('small', null, 'mean difference')])],
       rows.map((row) => [
-        h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), row.series.mark)}` }, row.series.name), integer(row.rates[0]?.n ?? 0),
+        dotted(seriesColour(palette(), row.series.mark), row.series.name), integer(row.rates[0]?.n ?? 0),
         ...row.rates.map((r) => {
           const [d, p] = [pairedRate(...r.only, r.n), corrected.get(r) ?? 1];
           data.push([row.series.name, base.name, r.name.toLowerCase(), r.n, d.value, d.low, d.high, ...r.only, d.p, p]);
@@ -71,7 +71,7 @@ export function comparison(model: Model): HTMLElement {
       ])));
     replace(note, `Each controller less ${base.name}, world by world. Rates: 95 % interval of paired proportions (Bonett and Price), exact McNemar test with Holm\u2019s correction over ${plural(tested.length, 'test')}. Metrics: where both trials have them, mean difference with its 95 % interval (${kMeanInterval}).`);
   };
-  const element = h('div', { class: 'panel', id: 'comparison' }, h('div', { class: 'panel-head' }, h('h3', null, 'Paired comparison'), controls), box, h('footer', null, note, h('div', { class: 'actions' }, saveButton)));
+  const element = h('div', { class: 'panel', id: 'comparison' }, h('div', { class: 'panel-head' }, h('h3', null, 'Paired comparison'), controls), box, footer(note, saveButton));
   fillLater(element, fill);
   return element;
 }

@@ -2,11 +2,11 @@
 
 import { causeOf, kCauses, kCauseTexts, type Cause } from '../causes';
 import { outcomeName, type Model, type Outcome, type Series } from '../data';
-import { h, replace, roving, table } from '../dom';
+import { button, h, replace, roving, table } from '../dom';
 import { integer, percent, plural } from '../format';
 import { goToSection } from '../go_to';
 import { metric, withUnit } from '../metrics';
-import { fillLater, saveCsv } from '../panel';
+import { fillLater, footer, saveCsv } from '../panel';
 import { select } from '../select';
 import * as state from '../state';
 import { outcomeColour, palette, seriesColour } from '../theme';
@@ -57,8 +57,8 @@ function byCause(all: readonly Cluster[]): HTMLElement {
         const n = count(s, cause);
         return n === 0 ? '\u2013' : h('span', { class: 'share', style: `--w:${(100 * n) / most}%;--c:${seriesColour(p, s.mark)}` }, integer(n), h('small', null, percent(n / s.rows.length)));
       })]), 'causes'),
-    h('footer', null, h('p', { class: 'note' }, 'Causes follow from what the store says of a trial, in the order of this table; they are no proof. \u201cBase misaligned\u201d and \u201clate detection\u201d need stored samples.', naming()),
-      h('div', { class: 'actions' }, saveCsv('causes', ['cause', 'controller', 'point', 'failures', 'n'], () => causes.flatMap((cause) => series.map((s) => [cause, s.controller, s.point, count(s, cause), s.rows.length]))))));
+    footer(h('p', { class: 'note' }, 'Causes follow from what the store says of a trial, in the order of this table; they are no proof. \u201cBase misaligned\u201d and \u201clate detection\u201d need stored samples.', naming()),
+      saveCsv('causes', () => ({ columns: ['cause', 'controller', 'point', 'failures', 'n'], rows: causes.flatMap((cause) => series.map((s) => [cause, s.controller, s.point, count(s, cause), s.rows.length])) }))));
 }
 
 export function failures(model: Model): HTMLElement {
@@ -89,15 +89,15 @@ export function failures(model: Model): HTMLElement {
         h('p', { class: 'count' }, h('b', null, integer(c.rows.length)), ` of ${plural(of_, 'trial')}, ${percent(c.rows.length / of_)}`),
         h('p', { class: 'worst' }, `${playable === undefined ? 'Worst' : 'Worst to play'}: world ${integer(model.trials.number('world', row))}`, Number.isFinite(value) ? `, ${of.name} ${withUnit(of, value)}` : ''),
         h('div', { class: 'actions' },
-          h('button', { type: 'button', class: playable === undefined ? 'quiet' : 'play', click: () => select(trial, true) }, playable === undefined ? 'Command' : 'Play'),
-          h('button', { type: 'button', class: 'quiet', click: () => {
+          playable === undefined ? button('Command', () => select(trial, true)) : button('Play', () => select(trial, true), 'play'),
+          button('List', () => {
             state.set({ outcome: c.outcome, q: c.outcome === 'collision' ? model.trials.text('link', row) : '', who: c.series.controller, in: 'trials' }, true);
             goToSection('trials');
-          } }, 'List')));
+          })));
     }));
     if (all.length === 0) replace(box, h('p', { class: 'empty' }, met === 0 ? 'No trial here has a result.' : 'No trial failed.'));
     replace(note, all.length === 0 ? '' : `${integer(failed)} of n = ${integer(met)} trials failed, in ${plural(all.length, 'kind')} (outcome, controller, cause, and what took part). `,
-      all.length > few ? h('button', { type: 'button', class: 'quiet', click: () => { open = !open; fill(); } }, open ? 'Show fewer' : `Show all ${integer(all.length)}`) : null);
+      all.length > few ? button(open ? 'Show fewer' : `Show all ${integer(all.length)}`, () => { open = !open; fill(); }) : null);
   };
   const element = h('div', null, causes, box, h('footer', null, note));
   fillLater(element, fill);

@@ -2,7 +2,7 @@
 
 import { disturbances } from '../conditions';
 import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
-import { h, replace } from '../dom';
+import { h, replace, terms } from '../dom';
 import { integer, list, percent, percentNumber, percentRange, plural, seconds } from '../format';
 import { verdictOf } from '../search_words';
 import { keepFilled } from '../panel';
@@ -101,7 +101,7 @@ export function masthead(model: Model, live: HTMLElement | null): HTMLElement {
     const { slice, family } = view();
     const suites = unique(model.page.points.map((p) => p.suite));
     replace(title, slice.suite || model.page.store.file, family !== '' ? h('span', null, ` ${family} only`) : null);
-    replace(strip, ...facts(model).map(([name, value]) => h('div', null, h('dt', null, name), h('dd', null, value))));
+    replace(strip, ...terms(facts(model)));
     const noted = [model.page.notes ?? '', model.page.invocations.find((i) => i.suite === slice.suite && (i.notes ?? '') !== '')?.notes ?? ''].join('\n\n').trim();
     replace(noteBox);
     // The parser of notes is run only where there are some.

@@ -2,7 +2,7 @@
 
 import { flatten } from '../conditions';
 import { inSlice, type Model, type PointInfo } from '../data';
-import { h, replace, table } from '../dom';
+import { h, replace, table, terms } from '../dom';
 import { integer, plural } from '../format';
 import { onView, view } from '../view';
 
@@ -97,7 +97,7 @@ export function provenance(model: Model): HTMLElement {
     const points = model.page.points.filter((p) => inSlice(p, slice));
     replace(box,
       h('div', { class: 'columns' },
-        h('dl', null, ...([
+        h('dl', null, ...terms([
           ['Command', latest.arguments.join(' ')],
           ['Started, ended', `${latest.started}, ${latest.ended ?? 'not recorded'} (${latest.status})`],
           ['Trials', `${integer(latest.trials_done)} computed, ${integer(latest.trials_present)} found already stored`],
@@ -106,7 +106,7 @@ export function provenance(model: Model): HTMLElement {
           ['Compiler', `${latest.compiler} ${latest.compiler_flags}`],
           ['Libraries', Object.entries(latest.libraries).map(([name, version]) => `${name} ${version}`).join(', ')],
           ['Store', `${model.page.store.file}, schema ${model.page.store.schema}`],
-        ] as const).map(([name, value]) => h('div', null, h('dt', null, name), h('dd', null, value)))),
+        ])),
         earlier.length > 0 ? h('div', null, h('h3', null, 'Earlier runs'), h('ul', null, ...earlier.slice(0, 11).map((r) =>
           h('li', null, `${r.started}, ${r.host}, moma ${r.moma_version}: ${plural(r.trials_done, 'trial')}, ${r.status}`)))) : null),
       changes(points), disturbances(points), parameters(points));

@@ -2,10 +2,10 @@
 
 import { onlyConditions } from '../conditions';
 import { cellOf, inSlice, type Model, type SummaryRow } from '../data';
-import { download, h, replace, roving, type Child } from '../dom';
-import { csv, integer, percent, percentRange, significant, upper } from '../format';
+import { dotted, h, replace, roving, type Child } from '../dom';
+import { integer, percent, percentRange, significant, upper } from '../format';
 import { kMetrics } from '../metrics';
-import { keepFilled } from '../panel';
+import { footer, keepFilled, saveCsv } from '../panel';
 import * as state from '../state';
 import { palette, seriesColour } from '../theme';
 import { view } from '../view';
@@ -89,17 +89,16 @@ export function summary(model: Model): HTMLElement {
         ...ordered(group, ['controller', ...shown.map(({ key }) => key)]).map((row) => {
           const mark = all.find((s) => s.controller === row.controller && s.point === row.point)?.mark ?? -1;
           return h('tr', { class: isBest(group, row) ? 'best' : null },
-            h('th', { scope: 'row', class: 'text' }, h('span', { class: 'dotted', style: `--c:${seriesColour(palette(), mark)}` }, row.controller), row.point ? h('small', null, row.point) : null),
+            h('th', { scope: 'row', class: 'text' }, dotted(seriesColour(palette(), mark), row.controller), row.point ? h('small', null, row.point) : null),
             ...shown.map(({ cell }) => h('td', { class: 'num' }, ...cell(row))));
         })))));
   };
   keepFilled(fill);
-  const save = (): void => {
+  const saveButton = saveCsv('summary', () => {
     const all = rows(model);
     const keys = [...Object.keys(all[0] ?? {}).filter((key) => key !== 'own'), ...kMetrics.filter((m) => m.own).map((m) => m.key)];
-    download('summary.csv', 'text/csv', csv(keys, all.map((row) => keys.map((key) => cellOf(row, key)))));
-  };
+    return { columns: keys, rows: all.map((row) => keys.map((key) => cellOf(row, key))) };
+  });
   return h('div', { class: 'panel' }, body,
-    h('footer', null, h('p', { class: 'note' }, 'As the store\u2019s view v_summary has it; bold: the greatest success rate of its group. The median time is over successes, means are over the trials that have the value. A trial that ended in a program error did not succeed, and is part of no mean; where there are such trials, the rate without them stands below.'),
-      h('div', { class: 'actions' }, h('button', { type: 'button', class: 'quiet', click: save }, 'Data CSV'))));
+    footer(h('p', { class: 'note' }, 'As the store\u2019s view v_summary has it; bold: the greatest success rate of its group. The median time is over successes, means are over the trials that have the value. A trial that ended in a program error did not succeed, and is part of no mean; where there are such trials, the rate without them stands below.'), saveButton));
 }

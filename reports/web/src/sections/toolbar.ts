@@ -2,7 +2,7 @@
 
 import { choose, chosenValue, conditions, shortValue, type Condition } from '../conditions';
 import type { Model } from '../data';
-import { choice, h, replace, roving } from '../dom';
+import { button, choice, h, replace, roving } from '../dom';
 import { goToSection } from '../go_to';
 import { keepFilled } from '../panel';
 import * as state from '../state';
@@ -35,7 +35,7 @@ export function toolbar(model: Model, sections: readonly (readonly [id: string, 
   } }, name)]));
   const nav = roving(h('nav', { 'aria-label': 'Sections' }, ...links.values()), 'a');
   const what = h('div', { class: 'what-shown' });
-  const theme = h('button', { type: 'button', class: 'quiet', click: toggleTheme });
+  const theme = button('', toggleTheme);
   const fill = (): void => {
     const { slice, family, families, all, series } = view();
     const p = palette();

@@ -2,7 +2,7 @@
 
 import { disturbed } from '../conditions';
 import { outcomeName, kOutcomes, type Model } from '../data';
-import { choice, copy, h, replace, roving } from '../dom';
+import { button, choice, copyButton, h, replace, roving, terms } from '../dom';
 import { filtered } from '../filter';
 import { integer, plural } from '../format';
 import { kMetrics, metric, withUnit } from '../metrics';
@@ -144,8 +144,8 @@ export function trials(model: Model): HTMLElement {
     replace(controls, search,
       choice('Outcome', [['', 'all'], ['failure', 'any failure'], ...kOutcomes.filter((o) => present.has(o)).map((o) => [o, outcomeName(o)] as const)], state.get('outcome'), (value) => state.set({ outcome: value })),
       names.length > 1 ? choice('Controller', [['', 'all'], ...names.map((n) => [n, n] as const)], state.get('who'), (value) => state.set({ who: value })) : null,
-      h('button', { type: 'button', class: 'quiet', click: () => { state.set({ q: '', outcome: '', who: '', sort: 'world:up' }); fillControls(); } }, 'Clear'),
-      saveCsv('trials', [...texts, ...numbers], () => rows.map((row) => [...texts.map((key) => t.text(key, row) || null), ...numbers.map((key) => t.number(key, row))])));
+      button('Clear', () => { state.set({ q: '', outcome: '', who: '', sort: 'world:up' }); fillControls(); }),
+      saveCsv('trials', () => ({ columns: [...texts, ...numbers], rows: rows.map((row) => [...texts.map((key) => t.text(key, row) || null), ...numbers.map((key) => t.number(key, row))]) })));
   };
 
   const showDetail = (trial: string): void => {
@@ -153,18 +153,16 @@ export function trials(model: Model): HTMLElement {
     detail.hidden = row === undefined;
     if (row === undefined) return;
     const line = command(model, trial);
-    const button = h('button', { type: 'button', class: 'quiet' }, 'Copy');
-    button.addEventListener('click', () => void copy(line, button));
     const outcome = t.outcome(row);
     replace(detail,
       h('div', { class: 'detail-head' },
         h('h3', null, h('span', { class: 'mono' }, trial), ' ', h('span', { class: 'chip', style: `--c:${outcomeColour(palette(), outcome)}` }, outcomeName(outcome))),
         h('div', { class: 'actions' },
-          !model.playable(trial) ? null : h('button', { type: 'button', class: 'play', click: () => select(trial, true) }, 'Play'),
-          h('button', { type: 'button', class: 'quiet', click: () => state.set({ trial: '' }) }, 'Close'))),
+          !model.playable(trial) ? null : button('Play', () => select(trial, true), 'play'),
+          button('Close', () => state.set({ trial: '' })))),
       h('p', null, [t.text('controller', row), t.text('point', row), `${t.text('family', row)} world ${integer(t.number('world', row))}`, disturbed(model.point(row)) && `disturbed: ${disturbed(model.point(row))}`, contact(model, row)].filter((text) => text !== '').join(' \u00b7 ')),
-      h('p', { class: 'command' }, h('code', null, line), button),
-      h('dl', { class: 'metrics' }, ...kMetrics.filter((m) => Number.isFinite(t.number(m.key, row))).map((m) => h('div', null, h('dt', null, m.name), h('dd', null, withUnit(m, t.number(m.key, row)))))));
+      h('p', { class: 'command' }, h('code', null, line), copyButton(line)),
+      h('dl', { class: 'metrics' }, ...terms(kMetrics.filter((m) => Number.isFinite(t.number(m.key, row))).map((m) => [m.name, withUnit(m, t.number(m.key, row))]))));
   };
 
   let pending = 0;
