@@ -4,12 +4,11 @@ import * as echarts from 'echarts/core';
 
 import { base, textOf, type FigureSpec, type Option } from './chart';
 import { button, choice, download, h, replace } from './dom';
-import { drawLater, drawOrWait } from './draw_order';
-import { footer, saveCsv } from './panel';
+import { fillLater, footer, saveCsv } from './panel';
 import { onPaper, paperFigure, paperPlace, svgOf } from './paper';
 import * as state from './state';
-import { onTheme, palette } from './theme';
-import { naming, onView } from './view';
+import { palette } from './theme';
+import { naming } from './view';
 
 export function figure(spec: FigureSpec): HTMLElement {
   const plot = h('div', { class: 'plot', role: 'img', 'aria-label': textOf(spec.title) });
@@ -27,13 +26,9 @@ export function figure(spec: FigureSpec): HTMLElement {
     h('figcaption', null, h('div', null, title, caption), controls),
     plot, paper, footer(note, svgButton, csvButton));
   let chart: echarts.ECharts | null = null;
-  let started = false;
-  let stale = false;   // asked to follow the theme or the view, not drawn since
   let width = 0;   // of the plot when it was drawn
 
   const draw = (): void => {
-    if (!started) return;
-    stale = false;
     title.textContent = textOf(spec.title);
     caption.textContent = textOf(spec.caption);
     width = plot.clientWidth;   // asked for once: after changes to the page each answer is a layout
@@ -79,19 +74,8 @@ export function figure(spec: FigureSpec): HTMLElement {
     fillControls();
     draw();
   };
-  drawLater(element, () => {
-    started = true;
-    follow();
-    new ResizeObserver(() => { if (plot.clientWidth !== width) (stale ? follow : draw)(); }).observe(plot);
-  });
-  const redraw = (): void => {
-    if (!started) return;
-    stale = true;
-    drawOrWait(element, () => { if (stale) follow(); });
-  };
-  onView(redraw);
-  if (spec.linked === true) state.listen(['trial'], redraw);
-  onTheme(redraw);
+  fillLater(element, follow, ...(spec.linked === true ? ['trial'] : []));
+  new ResizeObserver(() => { if (width > 0 && plot.clientWidth !== width) follow(); }).observe(plot);
   onPaper(paper, () => paperFigure(spec));
   return element;
 }

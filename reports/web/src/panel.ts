@@ -3,22 +3,19 @@
 import { drawLater, drawOrWait } from './draw_order';
 import { button, download, h, type Child } from './dom';
 import { csv, type Table } from './format';
-import { onTheme } from './theme';
-import { onView } from './view';
+import * as state from './state';
+import { kView } from './view';
 
 /** Fills a part now, and anew for each other view or theme. */
 export function keepFilled(fill: () => void): void {
   fill();
-  onView(fill);
-  onTheme(fill);
+  state.listen([...kView, 'theme'], fill);
 }
 
-/** Fills a slow part when it comes near the window, or when the page is idle. */
-export function fillLater(element: HTMLElement, fill: () => void): void {
+/** Fills a slow part when it comes near the window, or when the page is idle; anew for each other view or theme, or change of `more`. */
+export function fillLater(element: HTMLElement, fill: () => void, ...more: string[]): void {
   drawLater(element, fill);
-  const refill = (): void => drawOrWait(element, fill);
-  onView(refill);
-  onTheme(refill);
+  state.listen([...kView, 'theme', ...more], () => drawOrWait(element, fill));
 }
 
 /** A button that saves a table; `data` gives it when it is clicked, null where there is none. */

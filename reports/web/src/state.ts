@@ -39,12 +39,12 @@ export function set(changes: Record<string, string>, step = false): void {
   tell(changed);
 }
 
-/** Calls back after any of `keys` changed. */
+/** Calls back after any of `keys` changed: of the address, or those that tell() names. */
 export function listen(keys: readonly string[], call: Listener): void {
   listeners.push({ keys, call });
 }
 
-function tell(changed: ReadonlySet<string>): void {
+export function tell(changed: ReadonlySet<string>): void {
   for (const { keys, call } of listeners) {
     if (keys.some((key) => changed.has(key))) call(changed);
   }

@@ -2,6 +2,7 @@
 
 import { readable } from './colour';
 import type { Outcome } from './data';
+import { tell } from './state';
 
 export interface Palette {
   dark: boolean;
@@ -42,7 +43,6 @@ export const kDashes = ['solid', [6, 3], [2, 3], [9, 3, 2, 3], [12, 4], [1, 2], 
 const system = (): MediaQueryList => matchMedia('(prefers-color-scheme: dark)');
 let chosen: 'light' | 'dark' | null = null;
 let paper = false;
-const listeners: (() => void)[] = [];
 
 export function isDark(): boolean {
   if (paper) return false;
@@ -84,13 +84,9 @@ export function symbolOf(mark: number): (typeof kSymbols)[number] {
   return kSymbols[again(mark, kSymbols.length)] ?? 'circle';
 }
 
-export function onTheme(call: () => void): void {
-  listeners.push(call);
-}
-
 function apply(): void {
   document.documentElement.dataset['theme'] = isDark() ? 'dark' : 'light';
-  for (const call of listeners) call();
+  tell(new Set(['theme']));
 }
 
 export function toggleTheme(): void {

@@ -22,7 +22,8 @@ export interface View {
 
 let cached: View | null = null;
 let source: Model | null = null;
-const listeners: (() => void)[] = [];
+/** Keys of the address that choose what is shown, and the data themselves. */
+export const kView: readonly string[] = ['slice', 'family', 'show', 'at', 'data'];
 
 /** The first slice that has trials: that of a search's own suite has none. */
 function firstSlice(model: Model): string {
@@ -33,27 +34,13 @@ function firstSlice(model: Model): string {
 export function startView(model: Model): void {
   source = model;
   state.setDefault('slice', firstSlice(model));
-  state.listen(['slice', 'family', 'show', 'at'], () => {
-    cached = null;
-    for (const call of listeners) call();
-  });
-}
-
-/** Slice of stores without a window, where there is no address. */
-export function showSlice(id: string): void {
-  state.setDefault('slice', id);
-  cached = null;
+  state.listen(kView, () => { cached = null; });   // before all others
 }
 
 /** The model's data has changed. */
 export function refreshView(): void {
   if (source !== null) state.setDefault('slice', firstSlice(source));
-  cached = null;
-  for (const call of listeners) call();
-}
-
-export function onView(call: () => void): void {
-  listeners.push(call);
+  state.tell(new Set(['data']));
 }
 
 export function view(): View {

@@ -154,7 +154,7 @@ check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', '
 }
 // ---- pairs have equal conditions, names say what differs, and a click promises what it does -------------------------------
 {
-  const { Model, startView, showSlice, view, rivalsOf, equalConditions } = await load('data', 'view', 'conditions');
+  const { Model, startView, view, rivalsOf, equalConditions } = await load('data', 'view', 'conditions');
   globalThis.location = { hash: '' };
   const at = { suite: 's', robot: 'r', mode: 'm' };
   const made = (live, motions) => {
@@ -169,7 +169,6 @@ check(namedBy(['lambda_q=0.01', 'lambda_q=0.1']) === '' && namedBy(['a=1 b=2', '
   };
   const model = made(undefined, 3);
   startView(model);
-  showSlice('s / r / m');
   const { slice, all } = view();
   check(all.map((s) => s.name).join('|') === 'moma \u00b7 disturbances: none|moma \u00b7 disturbances: realistic|holistic \u00b7 disturbances: none|holistic \u00b7 disturbances: realistic', `points are named by what differs: ${all.map((s) => s.name)}`);
   check(all.every((a) => all.every((b) => equalConditions(model, slice, a.info, b.info) === (a.point === b.point))), 'conditions are equal where all values are');

@@ -10,8 +10,8 @@ import { onPaper, paperPlace } from '../paper';
 import { onSelect } from '../select';
 import { command } from '../sections/trials';
 import * as state from '../state';
-import { onTheme, outcomeColour, palette } from '../theme';
-import { onView } from '../view';
+import { outcomeColour, palette } from '../theme';
+import { kView } from '../view';
 import { listed, MotionList, motionsNote, SecondMotion } from './motions';
 import { readMap } from './map';
 import { colours } from './marks';
@@ -319,7 +319,7 @@ export function player(model: Model): HTMLElement {
   state.listen(['beside'], () => {
     if (current !== '') setBeside().catch((error: unknown) => { rowWords.sentence.textContent = `The other motion cannot be shown: ${said(error)}.`; });
   });
-  onTheme(() => { scene?.setColours(colours()); motions.fill(current); tellLegend(); show(); });
+  state.listen(['theme'], () => { scene?.setColours(colours()); motions.fill(current); tellLegend(); show(); });
   const element = h('div', { class: 'replay' },
     h('div', { class: 'replay-main' },
       stage, paper,
@@ -339,7 +339,7 @@ export function player(model: Model): HTMLElement {
   });
   motions.fill(current);
   onPaper(paper, still);
-  onView(() => motions.fill(current));
+  state.listen(kView, () => motions.fill(current));
   // A motion of the page itself is shown like a figure; one of the server, which may have to simulate it, when it is looked at.
   (model.page.live === undefined ? drawLater : whenSeen)(element, () => {
     const ofAddress = state.get('trial');

@@ -4,7 +4,8 @@ import { flatten } from '../conditions';
 import { inSlice, type Model, type PointInfo } from '../data';
 import { h, replace, table, terms } from '../dom';
 import { integer, plural } from '../format';
-import { onView, view } from '../view';
+import * as state from '../state';
+import { kView, view } from '../view';
 
 /** More columns than this are not read. */
 const kMost = 8;
@@ -112,6 +113,6 @@ export function provenance(model: Model): HTMLElement {
       changes(points), disturbances(points), parameters(points));
   };
   fill();
-  onView(fill);
+  state.listen(kView, fill);
   return box;
 }

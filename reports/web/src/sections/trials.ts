@@ -9,8 +9,8 @@ import { kMetrics, metric, withUnit } from '../metrics';
 import { saveCsv } from '../panel';
 import { onSelect, select } from '../select';
 import * as state from '../state';
-import { outcomeColour, onTheme, palette } from '../theme';
-import { onView, view } from '../view';
+import { outcomeColour, palette } from '../theme';
+import { kView, view } from '../view';
 
 const kRowHeight = 34;
 const kBeyond = 6;   // rows drawn above and below those in sight
@@ -188,8 +188,8 @@ export function trials(model: Model): HTMLElement {
   };
   fillControls();
   requestAnimationFrame(settle);
-  onView(() => { fillControls(); settle(); });
-  onTheme(() => { forget(); draw(); showDetail(state.get('trial')); });
+  state.listen(kView, () => { fillControls(); settle(); });
+  state.listen(['theme'], () => { forget(); draw(); showDetail(state.get('trial')); });
   state.listen(['outcome', 'who', 'q', 'sort'], (changed) => {
     if (changed.has('outcome') || changed.has('who')) fillControls();
     if (changed.has('sort')) drawHead();
