@@ -3,10 +3,7 @@
 
 import type { Model } from './data';
 
-export const kCauses = ['late detection', 'contact', 'infeasible', 'local minimum', 'limit', 'almost there', 'base misaligned', 'out of time', 'standstill', 'tilted', 'other'] as const;
-export type Cause = (typeof kCauses)[number];
-
-export const kCauseTexts: Record<Cause, string> = {
+export const kCauseTexts = {
   'late detection': 'the object had been known for less than a second at the contact, or not at all',
   contact: 'touched something that it knew, itself or the floor',
   infeasible: 'no command kept all rows in more than a tenth of the steps, or at the end for too long',
@@ -19,6 +16,8 @@ export const kCauseTexts: Record<Cause, string> = {
   tilted: 'the tool tilted farther than the world allows',
   other: 'tipped over, diverged, a program error',
 };
+export type Cause = keyof typeof kCauseTexts;
+export const kCauses = Object.keys(kCauseTexts) as Cause[];
 
 /** "sphere3" and "sphere7" are one kind of thing; what follows "self:" is kept. */
 export function kind(object: string): string {

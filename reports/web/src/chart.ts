@@ -196,9 +196,19 @@ export function whiskers(data: readonly (readonly number[])[], colour: string | 
   };
 }
 
-/** What is named `name` in bars of several parts. */
-export function barPart(p: Palette, name: string, colour: string): Option {
-  return { name, type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%', emphasis: { disabled: true }, itemStyle: { color: colour, borderColor: p.surface, borderWidth: 1 } };
+/** A bar for each row, of several parts. */
+export function stackedBars(p: Palette, width: number, rows: readonly AxisRow[], parts: readonly { name: string; colour: string; data: Option[]; label?: Option }[], xAxis: Option, tooltip: Option): { height: number; option: Option } {
+  const names = parts.map(({ name }) => name);
+  const top = legendHeight(names, width);
+  return {
+    height: (xAxis['name'] === '' ? 34 : 60) + top + rows.length * rowHeight(rows, width, rows.length <= 12 ? 38 : 26),
+    option: {
+      legend: legend(p, names), grid: gridBox(top, 20), xAxis, yAxis: rowAxis(p, rows, width), tooltip,
+      series: parts.map(({ colour, ...part }) => ({
+        ...part, type: 'bar', stack: 'all', barWidth: '68%', barCategoryGap: '20%', emphasis: { disabled: true }, itemStyle: { color: colour, borderColor: p.surface, borderWidth: 1 },
+      })),
+    },
+  };
 }
 
 /** A broken straight line to compare marks with. */

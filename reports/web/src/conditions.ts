@@ -53,8 +53,8 @@ export function choose(place: number, value: number | undefined): void {
   state.set({ at: [...now].map((pair) => pair.join('.')).join(','), show: '' });
 }
 
-export function meets(model: Model, slice: Slice, point: PointInfo | undefined): boolean {
-  if (point === undefined || state.get('at') === '') return true;
+export function meets(model: Model, slice: Slice, point: PointInfo): boolean {
+  if (state.get('at') === '') return true;
   return conditions(model, slice).every((c, place) => {
     const value = c.values[chosenValue(place) ?? -1];
     return value === undefined || valueOf(point, c.key) === value;
@@ -62,8 +62,7 @@ export function meets(model: Model, slice: Slice, point: PointInfo | undefined):
 }
 
 /** True if two points have the same conditions and disturbances. A condition that no point names is the same. */
-export function equalConditions(model: Model, slice: Slice, a: PointInfo | undefined, b: PointInfo | undefined): boolean {
-  if (a === undefined || b === undefined) return true;
+export function equalConditions(model: Model, slice: Slice, a: PointInfo, b: PointInfo): boolean {
   const disturbedBy = (point: PointInfo): string => JSON.stringify(Object.entries(point.disturbances ?? {}).filter(([key]) => key !== 'seed'));
   return disturbedBy(a) === disturbedBy(b) && conditions(model, slice).every((c) => valueOf(a, c.key) === valueOf(b, c.key));
 }

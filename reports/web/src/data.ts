@@ -209,7 +209,7 @@ export interface Series {
   short: string;
   controller: string;
   point: string;
-  info: PointInfo | undefined;
+  info: PointInfo;
   rows: number[];
 }
 
@@ -359,6 +359,13 @@ export function namedBy(labels: readonly string[]): string {
 /** "lambda_q=0.01 k_epsilon=0.5" -> "0.01, 0.5", where all labels have these keys. */
 function valuesOnly(labels: readonly string[]): ((label: string) => string) | null {
   return namedBy(labels) === '' ? null : (label) => label.split(' ').map((part) => part.slice(part.indexOf('=') + 1)).join(', ');
+}
+
+/** Items that share a key, in the order of their first. */
+export function grouped<T>(items: readonly T[], key: (item: T) => string): Map<string, T[]> {
+  const out = new Map<string, T[]>(items.map((item) => [key(item), []]));
+  for (const item of items) out.get(key(item))?.push(item);
+  return out;
 }
 
 function seriesName(controller: string, point: string): string {

@@ -119,35 +119,16 @@ export function spearman(x: readonly number[], y: readonly number[]): { value: n
   return { value, interval: { low: Math.tanh(Math.atanh(value) - half), high: Math.tanh(Math.atanh(value) + half) } };
 }
 
-export interface Spread {
-  n: number;
-  p5: number;
-  q1: number;
-  median: number;
-  q3: number;
-  p95: number;
-  min: number;
-  max: number;
-  mean: number;
-}
+export type Spread = NonNullable<ReturnType<typeof spread>>;
 
 /** Summary of finite values; null where there is none. */
-export function spread(values: readonly number[]): Spread | null {
+export function spread(values: readonly number[]) {
   const sorted = Float64Array.from(values).sort();
   if (sorted.length === 0) return null;
   let sum = 0;
   for (const value of sorted) sum += value;
-  return {
-    n: sorted.length,
-    p5: quantile(sorted, 0.05),
-    q1: quantile(sorted, 0.25),
-    median: quantile(sorted, 0.5),
-    q3: quantile(sorted, 0.75),
-    p95: quantile(sorted, 0.95),
-    min: sorted[0] ?? NaN,
-    max: sorted[sorted.length - 1] ?? NaN,
-    mean: sum / sorted.length,
-  };
+  const [min, p5, q1, median, q3, p95, max] = [0, 0.05, 0.25, 0.5, 0.75, 0.95, 1].map((share) => quantile(sorted, share)) as [number, number, number, number, number, number, number];
+  return { n: sorted.length, min, p5, q1, median, q3, p95, max, mean: sum / sorted.length };
 }
 
 /** Gaussian kernel density on `points` positions over [low, high], Silverman's bandwidth; scaled to peak 1. */

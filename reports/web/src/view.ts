@@ -70,6 +70,13 @@ function shown(model: Model, slice: Slice, all: readonly Series[], series: Serie
   return best(model, slice, all).has(series.index);
 }
 
+/** The trials of each shown series in each shown family of worlds, where it has any. */
+export function byFamily(): { family: string; series: Series; rows: number[] }[] {
+  const { model, families, family, series } = view();
+  return (family === '' ? families : [family]).flatMap((name) => series.map((s) => ({ family: name, series: s, rows: s.rows.filter((row) => model.trials.text('family', row) === name) })))
+    .filter(({ rows }) => rows.length > 0);
+}
+
 /** The row of a series in the table of results; `family` '': of all together. */
 function rowOf(model: Model, slice: Slice, family: string, s: Pick<Series, 'controller' | 'point'>): SummaryRow | undefined {
   const { overall, summary } = model.page;

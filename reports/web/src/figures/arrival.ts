@@ -25,8 +25,7 @@ export function arrival(): FigureSpec {
       })).filter((c) => c.n > 0);
       const last = Math.max(...curves.map((c) => c.times[c.times.length - 1] ?? 0));
       if (curves.length === 0 || !(last > 0)) return null;
-      const limit = Math.max(...series.map((s) => s.info?.time_limit_s ?? 0));
-      const end = nice(0, Math.min(limit > 0 ? limit : last * 1.05, last * 1.15)).max;
+      const end = nice(0, Math.min(Math.max(...series.map((s) => s.info.time_limit_s)), last * 1.15)).max;
       /** A share of each curve as steps, from the number of arrivals. */
       const steps = ({ times }: (typeof curves)[number], value: (hits: number) => number): [number, number][] =>
         stairs([[0, value(0)], ...thinned(times.length).map((i) => [times[i] ?? 0, value(i + 1)] as [number, number]), [end, value(times.length)]]);

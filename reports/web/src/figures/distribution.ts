@@ -7,18 +7,17 @@ import { axisName, kMetrics, metric, withUnit, type Metric } from '../metrics';
 import * as state from '../state';
 import { density, spread, type Spread } from '../stats';
 import { seriesColour } from '../theme';
-import { view } from '../view';
+import { byFamily, view } from '../view';
 
 interface Row { series: Series; family: string; values: number[]; spread: Spread }
 
 function collect(key: string): Row[] {
-  const { model, families, family, series } = view();
-  const t = model.trials;
-  return (family === '' ? families : [family]).flatMap((name) => series.flatMap((s) => {
-    const values = s.rows.filter((row) => t.text('family', row) === name).map((row) => t.number(key, row)).filter(Number.isFinite);
+  const { trials } = view().model;
+  return byFamily().flatMap(({ rows, ...of }) => {
+    const values = rows.map((row) => trials.number(key, row)).filter(Number.isFinite);
     const summary = spread(values);
-    return summary === null ? [] : [{ series: s, family: name, values, spread: summary }];
-  }));
+    return summary === null ? [] : [{ ...of, values, spread: summary }];
+  });
 }
 
 /** Fewer values are drawn one by one: their density would show the kernel, and outer percentiles are single trials. */

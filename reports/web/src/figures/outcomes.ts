@@ -1,30 +1,20 @@
 // Outcomes of trials: one bar per controller, within each family.
 
-import { barPart, gridBox, kNarrow, legend, legendHeight, rowAxis, rowHeight, shareAxis, tip, tipOf, type FigureSpec } from '../chart';
+import { kNarrow, shareAxis, stackedBars, tip, tipOf, type FigureSpec } from '../chart';
 import { inkOn } from '../colour';
-import { outcomeName, kOutcomes, type Outcome, type Series } from '../data';
+import { grouped, outcomeName, kOutcomes, type Outcome, type Series } from '../data';
 import { integer, percent, plural, sizes } from '../format';
 import { goToSection } from '../go_to';
 import * as state from '../state';
 import { outcomeColour } from '../theme';
-import { view } from '../view';
+import { byFamily, view } from '../view';
 
-interface Bar { family: string; series: Series; counts: Map<Outcome, number>; n: number }
+interface Bar { family: string; series: Series; counts: Map<Outcome, number[]>; n: number }
 /** Width of a digit of a count [px]. */
 const kDigit = 7;
 
 /** The trials of a bar that ended alike. */
 interface Piece { bar: Bar; outcome: Outcome; count: number }
-
-function bars(): Bar[] {
-  const { model, families, family, series } = view();
-  return (family === '' ? families : [family]).flatMap((name) => series.flatMap((s) => {
-    const rows = s.rows.filter((row) => model.trials.text('family', row) === name);
-    const counts = new Map<Outcome, number>();
-    for (const row of rows) counts.set(model.trials.outcome(row), (counts.get(model.trials.outcome(row)) ?? 0) + 1);
-    return rows.length === 0 ? [] : [{ family: name, series: s, counts, n: rows.length }];
-  }));
-}
 
 export function outcomes(): FigureSpec {
   return {
@@ -33,33 +23,26 @@ export function outcomes(): FigureSpec {
     caption: 'Every trial has exactly one outcome; a bar is all trials of a controller in a family of worlds. A click lists the trials.',
     empty: 'No trial here has a result.',
     draw: (p, width) => {
-      const all = bars();
+      const { families, model: { trials } } = view();
+      const all = byFamily().map(({ rows, ...of }): Bar => ({ ...of, n: rows.length, counts: grouped(rows, (row) => trials.outcome(row)) }));
       if (all.length === 0) return null;
       const present = kOutcomes.filter((o) => all.some((bar) => bar.counts.has(o)));
-      const top = legendHeight(present.map(outcomeName), width);
-      const several = view().families.length > 1;
+      const several = families.length > 1;
       const rows = all.map((bar) => ({ name: bar.series.short, family: several ? bar.family : '' }));
-      const pieces = (outcome: Outcome): Piece[] => all.map((bar) => ({ bar, outcome, count: bar.counts.get(outcome) ?? 0 }));
+      const pieces = (outcome: Outcome): Piece[] => all.map((bar) => ({ bar, outcome, count: bar.counts.get(outcome)?.length ?? 0 }));
       // Names take up to half of a narrow plot.
       const room = (width < kNarrow ? 0.5 : 0.6) * width;
       const fits = ({ count, bar: { n } }: Piece): boolean => (count / n) * room > kDigit * (integer(count).length + 1);
       return {
-        height: 34 + top + all.length * rowHeight(rows, width, all.length <= 12 ? 38 : 26),
         note: `n = ${sizes(all.map((bar) => bar.n))} trials a bar; counts are written where they fit.`,
         columns: ['family', 'controller', 'point', 'outcome', 'trials', 'share', 'n'],
         rows: present.flatMap(pieces).map(({ bar, outcome, count }) => [bar.family, bar.series.controller, bar.series.point, outcome, count, count / bar.n, bar.n]),
-        option: {
-          legend: legend(p, present.map(outcomeName)), grid: gridBox(top, 20), xAxis: shareAxis(p, width < kNarrow ? 0.5 : 0.2, { splitLine: { show: false } }),
-          yAxis: rowAxis(p, rows, width),
-          series: present.map((o) => ({
-            ...barPart(p, outcomeName(o), outcomeColour(p, o)),
-            label: { show: true, color: inkOn(outcomeColour(p, o)), fontSize: 11.5, formatter: ({ data: { of } }: { data: { of: Piece } }) => (fits(of) ? integer(of.count) : '') },
-            data: pieces(o).map((of) => ({ value: of.count / of.bar.n, of })),
-          })),
-          tooltip: tipOf(({ bar, outcome, count }: Piece) => tip(outcomeName(outcome), [
-            ['controller', bar.series.short], ['family', bar.family], ['trials', `${integer(count)} of ${plural(bar.n, 'trial')}`], ['share', percent(count / bar.n)],
-          ], outcomeColour(p, outcome))),
-        },
+        ...stackedBars(p, width, rows, present.map((o) => ({
+          name: outcomeName(o), colour: outcomeColour(p, o), data: pieces(o).map((of) => ({ value: of.count / of.bar.n, of })),
+          label: { show: true, color: inkOn(outcomeColour(p, o)), fontSize: 11.5, formatter: ({ data: { of } }: { data: { of: Piece } }) => (fits(of) ? integer(of.count) : '') },
+        })), shareAxis(p, width < kNarrow ? 0.5 : 0.2, { splitLine: { show: false } }), tipOf(({ bar, outcome, count }: Piece) => tip(outcomeName(outcome), [
+          ['controller', bar.series.short], ['family', bar.family], ['trials', `${integer(count)} of ${plural(bar.n, 'trial')}`], ['share', percent(count / bar.n)],
+        ], outcomeColour(p, outcome)))),
       };
     },
     click: (data) => {

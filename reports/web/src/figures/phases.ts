@@ -1,6 +1,6 @@
 // Where the time goes: mean time of each phase of the trials that succeed, one bar per controller.
 
-import { axis, barPart, gridBox, legend, legendHeight, rowAxis, rowHeight, tip, tipOf, type FigureSpec } from '../chart';
+import { axis, stackedBars, tip, tipOf, type FigureSpec } from '../chart';
 import type { Series } from '../data';
 import { fixed, percent, plural, sizes } from '../format';
 import { seriesColour } from '../theme';
@@ -33,25 +33,16 @@ export function phases(): FigureSpec {
     draw: (p, width) => {
       const all = bars();
       if (all.length === 0) return null;
-      const names = kPhases.map(([, name]) => name);
-      const top = legendHeight(names, width);
-      const rows = all.map((bar) => ({ name: bar.series.short }));
       return {
-        height: 60 + top + all.length * rowHeight(rows, width, all.length <= 12 ? 38 : 26),
         note: `n = ${sizes(all.map((bar) => bar.n))} trials a bar.`,
         columns: ['controller', 'point', 'phase', 'seconds', 'n'],
         rows: all.flatMap(({ series: s, seconds, n }) => kPhases.map(([key], i) => [s.controller, s.point, key, seconds[i] ?? 0, n])),
-        option: {
-          legend: legend(p, names), grid: gridBox(top, 20), xAxis: axis(p, 'time [s]', { min: 0 }), yAxis: rowAxis(p, rows, width),
-          series: names.map((name, place) => ({
-            ...barPart(p, name, seriesColour(p, place)),
-            data: all.map((bar) => ({ value: bar.seconds[place], of: { bar, place } })),
-          })),
-          tooltip: tipOf(({ bar, place }: Piece) => tip(names[place] ?? '', [
-            ['controller', bar.series.short], ['mean', `${fixed(bar.seconds[place] ?? 0, 2)} s of ${fixed(bar.sum, 2)} s`],
-            ['share', percent((bar.seconds[place] ?? 0) / bar.sum)], ['of', plural(bar.n, 'trial')],
-          ], seriesColour(p, place))),
-        },
+        ...stackedBars(p, width, all.map((bar) => ({ name: bar.series.short })), kPhases.map(([, name], place) => ({
+          name, colour: seriesColour(p, place), data: all.map((bar) => ({ value: bar.seconds[place], of: { bar, place } })),
+        })), axis(p, 'time [s]', { min: 0 }), tipOf(({ bar, place }: Piece) => tip(kPhases[place]?.[1] ?? '', [
+          ['controller', bar.series.short], ['mean', `${fixed(bar.seconds[place] ?? 0, 2)} s of ${fixed(bar.sum, 2)} s`],
+          ['share', percent((bar.seconds[place] ?? 0) / bar.sum)], ['of', plural(bar.n, 'trial')],
+        ], seriesColour(p, place)))),
       };
     },
   };

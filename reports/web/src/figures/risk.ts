@@ -1,7 +1,7 @@
 // Rare events (moma risk): their probabilities, and how a score's exceedances lead to them.
 
 import { axis, bandSeries, nice, pathSeries, plots, tip, tipOf, whiskers, type FigureSpec } from '../chart';
-import type { Model, RiskEstimate } from '../data';
+import { grouped, type Model, type RiskEstimate } from '../data';
 import { h, table } from '../dom';
 import { figure } from '../figure';
 import { integer, plural, significant, upper } from '../format';
@@ -76,9 +76,7 @@ function exceedances(of: readonly Estimate[], id: string): FigureSpec {
 
 /** The estimates of one event in one suite each. */
 function groups(model: Model): Estimate[][] {
-  const found = new Map<string, Estimate[]>();
-  for (const r of estimates(model)) found.set(`${r.suite}\n${r.event}`, [...found.get(`${r.suite}\n${r.event}`) ?? [], r]);
-  return [...found.values()];
+  return [...grouped(estimates(model), (r) => `${r.suite}\n${r.event}`).values()];
 }
 
 export function riskFigures(model: Model): FigureSpec[] {

@@ -35,13 +35,13 @@ export function timing(): FigureSpec {
         return { s, key, statistic, values: s.rows.map((row) => t.number(key, row)).filter((v) => v > 0).sort((a, b) => a - b) };
       })).filter((c) => c.values.length > 0);
       if (curves.length === 0) return null;
-      const deadline = Math.min(...series.map((s) => (s.info?.control_period_s ?? Infinity) * 1e6));
+      const deadline = Math.min(...series.map((s) => s.info.control_period_s * 1e6));
       const least = Math.min(...curves.map((c) => c.values[0] ?? 1));
-      const most = Math.max(...curves.map((c) => c.values[c.values.length - 1] ?? 1), Number.isFinite(deadline) ? deadline : 0);
+      const most = Math.max(...curves.map((c) => c.values[c.values.length - 1] ?? 1), deadline);
       const sum = (s: Series, key: string): number => s.rows.reduce((all, row) => all + (t.number(key, row) || 0), 0);
       const groups = series.filter((s) => curves.some((c) => c.s === s));
       const alarm = outcomeColour(p, 'collision');
-      const deadlineLine: Option[] = !Number.isFinite(deadline) ? [] : [{
+      const deadlineLine: Option[] = [{
         name: 'deadline', type: 'line', data: [[deadline, 0], [deadline, 1]], showSymbol: false, silent: true, z: 1, lineStyle: { color: alarm, width: 1.3 }, itemStyle: { color: alarm },
         endLabel: { show: groups.length <= kTogether, formatter: 'deadline', color: alarm, fontSize: 11, offset: [-24, -9] },
       }];

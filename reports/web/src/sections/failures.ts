@@ -1,7 +1,7 @@
 // The failure atlas: failures that look alike together, the worst of each ready to play.
 
 import { causeOf, kCauses, kCauseTexts, type Cause } from '../causes';
-import { outcomeName, type Model, type Outcome, type Series } from '../data';
+import { grouped, outcomeName, type Model, type Outcome, type Series } from '../data';
 import { button, h, replace, roving, table } from '../dom';
 import { integer, percent, plural } from '../format';
 import { goToSection } from '../go_to';
@@ -12,29 +12,13 @@ import * as state from '../state';
 import { outcomeColour, palette, seriesColour } from '../theme';
 import { naming, view } from '../view';
 
-interface Cluster {
-  outcome: Outcome;
-  series: Series;
-  cause: Cause;
-  what: string;
-  rows: number[];
-}
+interface Cluster { outcome: Outcome; series: Series; cause: Cause; what: string; rows: number[] }
 
 function clusters(model: Model): Cluster[] {
   const t = model.trials;
-  const found = new Map<string, Cluster>();
-  for (const s of view().series) {
-    for (const row of s.rows) {
-      const outcome = t.outcome(row);
-      if (outcome === 'success') continue;
-      const { cause, what } = causeOf(model, row);
-      const key = [outcome, s.index, cause, what].join('\n');
-      const cluster = found.get(key) ?? { outcome, series: s, cause, what, rows: [] };
-      cluster.rows.push(row);
-      found.set(key, cluster);
-    }
-  }
-  return [...found.values()].sort((a, b) => b.rows.length - a.rows.length);
+  const failed = view().series.flatMap((series) => series.rows.filter((row) => !t.success(row)).map((row) => ({ series, row, outcome: t.outcome(row), ...causeOf(model, row) })));
+  return [...grouped(failed, ({ outcome, series, cause, what }) => [outcome, series.index, cause, what].join('\n')).values()]
+    .map((alike) => ({ ...alike[0]!, rows: alike.map(({ row }) => row) })).sort((a, b) => b.rows.length - a.rows.length);
 }
 
 /** How bad: deepest contact, else farthest from the goal. */

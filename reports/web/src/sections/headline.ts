@@ -4,7 +4,7 @@
 import { causeOf } from '../causes';
 import { pairs, type Pairs } from '../compare';
 import { conditions, onlyConditions } from '../conditions';
-import type { Model, Series, SummaryRow } from '../data';
+import { grouped, type Model, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, percent, percentRange, plural, probability, signed, times } from '../format';
 import { afterFrame } from '../draw_order';
@@ -109,20 +109,12 @@ function sentence(a: Series, b: Series, d: Difference): string {
 /** "holistic fails mainly in clutter: local minimum, 69 of 86." Of the trials at hand; null where it never fails. */
 function whereItFails(model: Model, loser: Series): string | null {
   const t = model.trials;
-  const kinds = new Map<string, { family: string; cause: string; n: number }>();
-  let failed = 0;
-  for (const row of loser.rows) {
-    if (t.success(row)) continue;
-    failed += 1;
-    const [family, { cause }] = [t.text('family', row), causeOf(model, row)];
-    const kind = kinds.get(`${family}\n${cause}`) ?? { family, cause, n: 0 };
-    kind.n += 1;
-    kinds.set(`${family}\n${cause}`, kind);
-  }
-  const [top] = [...kinds.values()].sort((x, y) => y.n - x.n);
-  if (top === undefined) return null;
+  const failed = loser.rows.filter((row) => !t.success(row)).map((row) => ({ family: t.text('family', row), cause: causeOf(model, row).cause }));
+  const [most = []] = [...grouped(failed, ({ family, cause }) => `${family}\n${cause}`).values()].sort((x, y) => y.length - x.length);
+  const [first] = most;
+  if (first === undefined) return null;
   const several = view().families.length > 1 && view().family === '';
-  return `${loser.name} fails ${2 * top.n > failed ? 'mainly' : 'most often'}${several ? ` in ${top.family}` : ''}: ${top.cause}, ${integer(top.n)} of ${plural(failed, 'failure')}.`;
+  return `${loser.name} fails ${2 * most.length > failed.length ? 'mainly' : 'most often'}${several ? ` in ${first.family}` : ''}: ${first.cause}, ${integer(most.length)} of ${plural(failed.length, 'failure')}.`;
 }
 
 let painted = false;

@@ -1,7 +1,7 @@
 // The table of the store's v_summary: one row per controller and family.
 
 import { onlyConditions } from '../conditions';
-import { cellOf, inSlice, type Model, type SummaryRow } from '../data';
+import { cellOf, grouped, inSlice, type Model, type SummaryRow } from '../data';
 import { dotted, h, replace, roving, type Child } from '../dom';
 import { integer, percent, percentRange, significant, upper } from '../format';
 import { kMetrics } from '../metrics';
@@ -62,10 +62,9 @@ export function summary(model: Model): HTMLElement {
   const fill = (): void => {
     const { all, slice } = view();
     const within = onlyConditions(model, slice);   // the best of each condition
-    const groups = new Map<string, SummaryRow[]>();
     const listed = rows(model);
+    const groups = grouped(listed, (row) => row.family ?? 'all families');
     const shown = columns(listed);
-    for (const row of listed) groups.set(row.family ?? 'all families', [...(groups.get(row.family ?? 'all families') ?? []), row]);
     const isBest = (group: SummaryRow[], row: SummaryRow): boolean => {
       const rivals = within ? group.filter((r) => r.point === row.point) : group;
       return row.n > 0 && rivals.length > 1 && rivals.every((r) => r.n === 0 || r.success_rate <= row.success_rate);
