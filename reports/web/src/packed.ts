@@ -2,20 +2,21 @@
 
 import { unzlibSync } from 'fflate';
 
-/** `count` values of `size` bytes each, put back in order. Throws an Error where it is another number. */
-export function unpacked(data: string, count: number, size: number, what: string): ArrayBuffer {
+/** As many values as there are, put back in order. */
+export function unpacked<T>(data: string, type: { new (bytes: ArrayBuffer): T; readonly BYTES_PER_ELEMENT: number }): T {
   const planes = unzlibSync(Uint8Array.from(atob(data), (c) => c.charCodeAt(0)));
-  if (planes.length !== size * count) throw new Error(`${what} do not fit their columns`);
+  const size = type.BYTES_PER_ELEMENT;
+  const count = Math.floor(planes.length / size);
   const bytes = new Uint8Array(size * count);
   for (let k = 0; k < size; ++k) {
     for (let i = 0; i < count; ++i) bytes[size * i + k] = planes[k * count + i] ?? 0;
   }
-  return bytes.buffer;
+  return new type(bytes.buffer);
 }
 
-/** 16-bit values, as many as there are. */
-export function unpacked16(data: string): Uint16Array {
-  const planes = unzlibSync(Uint8Array.from(atob(data), (c) => c.charCodeAt(0)));
-  const count = planes.length >> 1;
-  return Uint16Array.from({ length: count }, (_, i) => (planes[i] ?? 0) | ((planes[count + i] ?? 0) << 8));
+/** Values of so many columns. Throws an Error where it is another number. */
+export function columnsOf(data: string, n: number, columns: number, what: string): Float32Array {
+  const values = unpacked(data, Float32Array);
+  if (values.length !== n * columns) throw new Error(`${what} do not fit their columns`);
+  return values;
 }

@@ -1,10 +1,10 @@
 // The map of a controller that is told by depth (docs/explanation/map.md), as boxes of occupied and of unseen cells: moma writes
 // them down when it simulates the trial again.
 
-import { BoxGeometry, BufferAttribute, BufferGeometry, Color, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial } from 'three';
+import { BoxGeometry, BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial } from 'three';
 
 import type { ReplayData } from '../data';
-import { unpacked, unpacked16 } from '../packed';
+import { columnsOf, unpacked } from '../packed';
 import type { Gaze } from './robot';
 
 /** Numbers of a box, in the order of reports/render/replay_data.h. */
@@ -26,14 +26,14 @@ export interface SeenMap { hz: number; pictures: number; boxes: MapBox[]; looks:
 /** The map of a motion; null without one. Throws an Error where it does not fit its columns. */
 export function readMap({ map }: ReplayData): SeenMap | null {
   if (map === undefined) return null;
-  const values = new Int16Array(unpacked16(map.data).buffer);
+  const values = unpacked(map.data, Int16Array);
   const count = values.length / kColumns;
   if (!Number.isInteger(count)) throw new Error('the map does not fit its columns');
   const at = (column: number, i: number): number => values[column * count + i] ?? 0;
   const metres = (column: number, i: number): number[] => [0, 1, 2].map((k) => map.cell * at(column + k, i));
   const boxes = Array.from({ length: count }, (_, i): MapBox => ({ from: at(0, i), to: at(1, i), cells: at(2, i) === 1 ? 'occupied' : 'unseen', low: metres(3, i), size: metres(6, i) }));
   const { n } = map.looks;
-  const columns = new Float32Array(unpacked(map.looks.data, 4 * n, 4, 'the looks of sensors'));
+  const columns = columnsOf(map.looks.data, n, 4, 'the looks of sensors');
   const looks: SeenMap['looks'] = [];
   for (let i = 0; i < n; ++i) (looks[columns[i] ?? 0] ??= []).push({ t: columns[n + i] ?? 0, pan: columns[2 * n + i] ?? 0, tilt: columns[3 * n + i] ?? 0 });
   return { hz: map.hz, pictures: boxes.reduce((most, { to }) => Math.max(most, to), 0), boxes, looks };
@@ -70,7 +70,7 @@ function each(unit: BufferGeometry, boxes: readonly MapBox[]): BufferGeometry {
 
 /** Boxes that are seen through, with their edges. */
 export function mapMark(boxes: readonly MapBox[], colour: string, faces: number, edges: number): Group {
-  const glass = { color: new Color(colour), transparent: true, depthWrite: false };
+  const glass = { color: colour, transparent: true, depthWrite: false };
   return new Group().add(
     new Mesh(each(kFaces, boxes), new MeshStandardMaterial({ ...glass, opacity: faces, roughness: 0.9, flatShading: true })),
     new LineSegments(each(kEdges, boxes), new LineBasicMaterial({ ...glass, opacity: edges })));

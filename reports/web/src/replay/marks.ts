@@ -1,6 +1,6 @@
 // Marks of a scene, beside robot and objects: colours, a grid, axes, arrows, paths, the goal.
 
-import { BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial, SphereGeometry, TorusGeometry, Vector3 } from 'three';
+import { BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, Float32BufferAttribute, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial, SphereGeometry, TorusGeometry, Vector3, type MeshStandardMaterialParameters } from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
@@ -21,6 +21,11 @@ export function colours(): Colours {
     : { background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f', begin: '#9db4cc', ghost: '#b8447b', wheel: '#3a424d', plan: '#1f8a78', occupied: '#6a4fb3', unseen: '#5f6a75', field: '#1f86c0' };
 }
 
+/** What robots and objects are made of. */
+export function matt(colour: string, more: MeshStandardMaterialParameters = {}): MeshStandardMaterial {
+  return new MeshStandardMaterial({ color: colour, roughness: 0.62, metalness: 0.05, ...more });
+}
+
 /** Lines one metre apart, in pieces of one metre: some drivers drop a long line that begins behind the camera. */
 export function grid(colour: string): LineSegments {
   const reach = 15;
@@ -28,9 +33,7 @@ export function grid(colour: string): LineSegments {
   for (let a = -reach; a <= reach; ++a) {
     for (let b = -reach; b < reach; ++b) points.push(a, b, 0, a, b + 1, 0, b, a, 0, b + 1, a, 0);
   }
-  const shape = new BufferGeometry();
-  shape.setAttribute('position', new BufferAttribute(Float32Array.from(points), 3));
-  return new LineSegments(shape, new LineBasicMaterial({ color: new Color(colour) }));
+  return new LineSegments(new BufferGeometry().setAttribute('position', new Float32BufferAttribute(points, 3)), new LineBasicMaterial({ color: colour }));
 }
 
 /** An arrow from the origin along `direction`, a unit vector: a rod with a cone as its head. */
@@ -61,7 +64,7 @@ export function rowArrow({ first, second, active }: Row, colours: Colours): Grou
   const length = along.length();
   if (length < 1e-4) return new Group();
   const thick = active ? 0.008 : 0.003;
-  const material = new MeshStandardMaterial({ color: new Color(active ? colours.hit : colours.path), transparent: !active, opacity: active ? 1 : 0.45, depthTest: !active });
+  const material = new MeshStandardMaterial({ color: active ? colours.hit : colours.path, transparent: !active, opacity: active ? 1 : 0.45, depthTest: !active });
   const group = arrow(along.divideScalar(length), length, thick, { length: Math.min(0.5 * length, 5 * thick), radius: 2.4 * thick }, material);
   group.renderOrder = active ? 2 : 1;
   group.position.copy(first);
@@ -99,11 +102,11 @@ export function floorPath(places: readonly (readonly [number, number])[], colour
   if (places.length === 0) return group;
   const above = 0.012;
   if (places.length > 1) {
-    const line = new Line2(new LineGeometry().setPositions(places.flatMap(([px, py]) => [px, py, above])), new LineMaterial({ color: new Color(colour), linewidth: 3 }));
+    const line = new Line2(new LineGeometry().setPositions(places.flatMap(([px, py]) => [px, py, above])), new LineMaterial({ color: colour, linewidth: 3 }));
     line.frustumCulled = false;
     group.add(line);
   }
-  const ring = new Mesh(new TorusGeometry(0.09, 0.012, 8, 32), new MeshStandardMaterial({ color: new Color(colour), roughness: 0.8 }));
+  const ring = new Mesh(new TorusGeometry(0.09, 0.012, 8, 32), new MeshStandardMaterial({ color: colour, roughness: 0.8 }));
   ring.position.set(x, y, above);
   group.add(ring);
   return group;
@@ -130,7 +133,7 @@ export function fieldMark({ field_of_view: [azimuth = 0, elevation = 0], range }
     return [a, b, c, a, c, d];
   }));
   const corners = [point(0, 0), point(columns, 0), point(0, rows), point(columns, rows)].flatMap((corner) => [origin, corner]);
-  const glass = { color: new Color(colour), transparent: true, depthWrite: false };
+  const glass = { color: colour, transparent: true, depthWrite: false };
   const group = new Group().add(
     new Mesh(new BufferGeometry().setFromPoints([...sides, ...cap]), new MeshBasicMaterial({ ...glass, opacity: 0.035, side: DoubleSide })),
     new LineSegments(new BufferGeometry().setFromPoints([...rim.flat(), ...corners]), new LineBasicMaterial({ ...glass, opacity: 0.6 })));
@@ -147,12 +150,11 @@ const kLeast = 0.008;
  */
 export function goalMark(robot: Robot, skins: readonly Skin[], tolerance: number, colour: string): Group {
   const group = triad(0.26, true);
-  const pale = (opacity: number, depthWrite: boolean): MeshStandardMaterial => new MeshStandardMaterial({ color: new Color(colour), roughness: 0.62, metalness: 0.05, transparent: true, opacity, depthWrite });
-  group.add(new Mesh(new SphereGeometry(Math.max(tolerance, kLeast), 24, 16), pale(0.75, true)));
+  group.add(new Mesh(new SphereGeometry(Math.max(tolerance, kLeast), 24, 16), matt(colour, { transparent: true, opacity: 0.75 })));
   const toTip = robot.tipPose(new Matrix4()).invert();
   for (const { surface, link, local } of skins) {
     if (!robot.inHand(link)) continue;
-    const mesh = new Mesh(surface, pale(0.24, false));
+    const mesh = new Mesh(surface, matt(colour, { transparent: true, opacity: 0.24, depthWrite: false }));
     mesh.name = `hand: ${link}`;
     mesh.matrixAutoUpdate = false;
     mesh.matrix.copy(toTip).multiply(robot.pose(link)).multiply(local);

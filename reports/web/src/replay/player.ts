@@ -16,7 +16,7 @@ import { listed, MotionList, motionsNote, SecondMotion } from './motions';
 import { readMap } from './map';
 import { colours } from './marks';
 import { Joints } from './joints';
-import { readLook, type Part } from './look';
+import { readLook, type Skin } from './look';
 import { looksAhead, planSentence } from './plan';
 import { CaptionedPicture, type Words } from './captioned_picture';
 import { Playback } from './playback';
@@ -55,7 +55,7 @@ export function player(model: Model): HTMLElement {
   let hasRows = false;
   let sees = '';   // what of the controller's senses is disturbed
   let wanted = '';
-  const looks = new Map<string, readonly Part[]>();
+  const looks = new Map<string, readonly Skin[]>();
   let words: Words = { outcome: '', colour: '', caption: '', clock: '', labels: [] };
   const picture = new CaptionedPicture();
   const motions = new MotionList(model);
@@ -181,7 +181,7 @@ export function player(model: Model): HTMLElement {
   };
 
   /** Visuals of the robot of a motion; none where the page has none. */
-  const lookOf = ({ replay }: Motion): readonly Part[] => {
+  const lookOf = ({ replay }: Motion): readonly Skin[] => {
     let known = looks.get(replay.robot);
     if (known === undefined) looks.set(replay.robot, known = readLook(model.page.looks?.[replay.robot]));
     return known;

@@ -18,7 +18,6 @@ export interface Gaze { pan: number; tilt: number }
 export interface SensorJson extends PoseJson { name: string; link?: string; field_of_view: number[]; range: number; head?: { axes?: number[] } }
 
 interface RobotJson {
-  name: string;
   urdf_text: string;
   base: { mount?: PoseJson; footprint?: ShapeJson; wheels?: Wheels };
   arm: { tip: string; tool?: PoseJson; locked?: Record<string, number>; limits?: Record<string, { lower?: number; upper?: number }>; ready?: number[] };
@@ -38,7 +37,7 @@ interface Joint {
   mimic: { joint: string; multiplier: number; offset: number } | null;
 }
 
-interface Driven { name: string; lower: number; upper: number; prismatic: boolean }
+interface Driven { name: string; lower: number; upper: number }
 
 /** R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF. */
 function fromRpy(rpy: readonly number[]): Matrix4 {
@@ -98,7 +97,6 @@ function wheelBoxes(wheels: Wheels | undefined): ShapeJson[] {
 }
 
 export class Robot {
-  readonly name: string;
   readonly driven: Driven[] = [];
   readonly wheels: Wheels | null;
   readonly shapes: { link: string; shape: ShapeJson; local: Matrix4 }[] = [];
@@ -112,7 +110,6 @@ export class Robot {
 
   constructor(source: unknown) {
     const json = source as RobotJson;
-    this.name = json.name;
     this.wheels = json.base.wheels ?? null;
     this.sensors = json.sensors ?? [];
     this.mount = poseMatrix(json.base.mount);
@@ -128,7 +125,7 @@ export class Robot {
       if (!moves(joint) || joint.name in locked) continue;
       const limits = json.arm.limits?.[joint.name];
       place.set(joint.name, this.driven.length);
-      this.driven.push({ name: joint.name, lower: limits?.lower ?? joint.lower ?? -Infinity, upper: limits?.upper ?? joint.upper ?? Infinity, prismatic: joint.type === 'prismatic' });
+      this.driven.push({ name: joint.name, lower: limits?.lower ?? joint.lower ?? -Infinity, upper: limits?.upper ?? joint.upper ?? Infinity });
     }
     const byName = new Map(joints.map((joint) => [joint.name, joint]));
     const held = (joint: Joint, depth: number): number => {

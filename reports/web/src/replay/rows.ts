@@ -6,7 +6,7 @@ import { Matrix4, Vector3 } from 'three';
 import type { ReplayData } from '../data';
 import { h, replace } from '../dom';
 import { fixed, integer, plural } from '../format';
-import { unpacked16 } from '../packed';
+import { unpacked } from '../packed';
 import type { Words } from './captioned_picture';
 import type { ReplayScene } from './scene';
 
@@ -30,7 +30,7 @@ export interface Row {
 export function readRows({ rows, map }: ReplayData): Row[][] | null {
   if (rows === undefined) return null;
   const total = rows.n.reduce((sum, n) => sum + n, 0);
-  const values = new Int16Array(unpacked16(rows.data).buffer);
+  const values = unpacked(rows.data, Int16Array);
   if (values.length !== kColumns * total) throw new Error('the rows do not fit their number');
   const at = (column: number, i: number): number => values[column * total + i] ?? 0;
   // The boxes of a map are objects of the controller's, numbered by chance.

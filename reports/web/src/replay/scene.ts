@@ -2,14 +2,14 @@
 
 import {
   AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap,
-  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, Vector3, WebGLRenderer, type Material,
+  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, Vector3, WebGLRenderer, type Material, type MeshStandardMaterialParameters,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
 
-import { fieldMark, floorPath, goalMark, grid, handPath, rowArrow, triad, type Colours } from './marks';
+import { fieldMark, floorPath, goalMark, grid, handPath, matt, rowArrow, triad, type Colours } from './marks';
 import { extent, fit } from './fit';
-import { poseAt, skins, solid, wheels, type Part, type Skin } from './look';
+import { poseAt, skins, solid, wheels, type Skin } from './look';
 import { gazeAt, kCells, mapMark, pictureAt, type Cells, type SeenMap } from './map';
 import { clocksOf, placeAt, vector, type MotionJson, type Placed } from './motion';
 import { detourTarget, pathAhead } from './plan';
@@ -35,7 +35,7 @@ export function reachedTimes(reached: string, { goals = [] }: WorldJson, dwell: 
 }
 
 /** A motion of a robot, with what the robot looks like. */
-interface Moved { robot: Robot; trace: Trace; look: readonly Part[] }
+interface Moved { robot: Robot; trace: Trace; look: readonly Skin[] }
 
 /**
  * A motion in its world: when it went on to the next goal [s], what was hit, the rows of each sample, the controller's map, the
@@ -96,6 +96,9 @@ export type Layer = Cells | 'fields';
 /** A surface of a robot in the scene. */
 interface Drawn { mesh: Mesh; link: string; local: Matrix4 }
 
+/** A robot in the scene, with what its hand has travelled. */
+interface Actor extends Moved { links: readonly Drawn[]; past: Line2 }
+
 export class ReplayScene {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
@@ -106,7 +109,7 @@ export class ReplayScene {
   private former: Group | null = null;
   private shown: Shown | null = null;
   private shapesOnly = false;
-  private links: Drawn[] = [];
+  private actors: Actor[] = [];   // the shown motion's last
   private bodies: Body[] = [];
   private arrows = new Group();
   private plan = new Group();
@@ -126,10 +129,7 @@ export class ReplayScene {
   /** The goal that the hand is on its way to. */
   private goal = new Group();
   private tip = new Group();
-  private past: Line2 | null = null;
   private ghost: Moved | null = null;   // another controller in the same world, on the same clock
-  private ghostPast: Line2 | null = null;
-  private ghostLinks: Drawn[] = [];
   private lastBase = new Vector3();
   follow = false;
 
@@ -183,17 +183,12 @@ export class ReplayScene {
 
   /** Triangles of the robot as it is shown. */
   triangles(): number {
-    return this.links.reduce((sum, { mesh }) => sum + (mesh.geometry.index?.count ?? mesh.geometry.getAttribute('position').count) / 3, 0);
-  }
-
-  private material(colour: string, more: Partial<MeshStandardMaterial> = {}): MeshStandardMaterial {
-    const material = new MeshStandardMaterial({ color: new Color(colour), roughness: 0.62, metalness: 0.05 });
-    return Object.assign(material, more);
+    return (this.actors.at(-1)?.links ?? []).reduce((sum, { mesh }) => sum + (mesh.geometry.index?.count ?? mesh.geometry.getAttribute('position').count) / 3, 0);
   }
 
   /** Puts a surface of a robot into the scene; what is seen through casts no shadow. */
-  private draw({ surface, link, local }: Skin, colour: string, more: Partial<MeshStandardMaterial> = {}): Drawn {
-    const mesh = new Mesh(surface, this.material(colour, more));
+  private draw({ surface, link, local }: Skin, colour: string, more: MeshStandardMaterialParameters = {}): Drawn {
+    const mesh = new Mesh(surface, matt(colour, more));
     mesh.matrixAutoUpdate = false;
     mesh.castShadow = more.transparent !== true;
     this.content.add(mesh);
@@ -201,9 +196,9 @@ export class ReplayScene {
   }
 
   private build(): void {
-    const { shown, colours } = this;
+    const { shown, ghost, colours } = this;
     if (shown === null) return;
-    const { robot, world, trace } = shown;
+    const { robot, world } = shown;
     // Shaders live as long as a material needs them, and take longer to compile than to use: the materials of what was
     // shown go when those of what is shown have been drawn.
     if (this.former === null) this.former = this.content;
@@ -219,7 +214,7 @@ export class ReplayScene {
     Object.assign(sun.shadow.camera, { left: -6, right: 6, top: 6, bottom: -6, near: 1, far: 25 });
     sun.shadow.normalBias = 0.02;
     this.content.add(new AmbientLight(0xffffff, 0.55), new HemisphereLight(0xffffff, 0x8a8a90, 0.9), sun);
-    const floor = new Mesh(new PlaneGeometry(60, 60), new MeshStandardMaterial({ color: new Color(colours.floor), roughness: 1 }));
+    const floor = new Mesh(new PlaneGeometry(60, 60), new MeshStandardMaterial({ color: colours.floor, roughness: 1 }));
     floor.position.z = -0.004;
     const shade = new Mesh(new PlaneGeometry(60, 60), new ShadowMaterial({ opacity: 0.2 }));
     shade.receiveShadow = true;
@@ -229,7 +224,7 @@ export class ReplayScene {
     const touched = (link: string): boolean => shown.hit.link === link || shown.hit.object === `self:${link}`;
     const look = this.shapesOnly ? [] : shown.look;
     const hitBody = new Set(robot.shapes.map((s) => s.link).filter(touched).map((link) => robot.rigid(link)));
-    this.links = skins(robot, look).map((skin) => {
+    const links = skins(robot, look).map((skin) => {
       const hit = look.length > 0 ? hitBody.has(robot.rigid(skin.link)) : touched(skin.link);
       return this.draw(skin, hit ? colours.hit : skin.colour ?? (skin.link === '@base' ? colours.base : colours.arm));
     }).concat(wheels(robot, look).map((wheel) => this.draw(wheel, colours.wheel)));
@@ -240,15 +235,15 @@ export class ReplayScene {
       // Walls would hide what is in the rooms.
       const wall = body.shape === 'box' && (body.size?.[2] ?? 0) > kWall;
       const glass = { transparent: true, opacity: wall ? 0.15 : 0.88, depthWrite: !wall };
-      const mesh = new Mesh(solid(body), this.material(hit ? colours.hit : moving ? colours.moving : colours.object, glass));
+      const mesh = new Mesh(solid(body), matt(hit ? colours.hit : moving ? colours.moving : colours.object, glass));
       mesh.castShadow = !wall;
       this.content.add(mesh);
       const start = { position: vector(body.position), turn: quaternion(body.quaternion) };
       return { mesh, name: body.name, start, motion: body.motion, clock: clocks[i] ?? '', grips: gripsOf(body.name, start, shown) };
     });
 
-    this.addGhost();
-    poseAt(robot, trace, 0);
+    this.actors = [];
+    if (ghost !== null) this.add(ghost, skins(ghost.robot, this.shapesOnly ? [] : ghost.look).map((skin) => this.draw(skin, colours.ghost, { transparent: true, opacity: 0.38, depthWrite: false })), colours.ghost, colours.ghost);
     this.goals = (world.goals ?? (world.goal === undefined ? [] : [world.goal])).map(({ position, quaternion: q, motion }) => {
       const mark = goalMark(robot, skins(robot, look), shown.tolerance, colours.goal);
       this.content.add(mark);
@@ -264,36 +259,25 @@ export class ReplayScene {
     this.picture = -1;
     Object.assign(this.boxes, { occupied: 0, unseen: 0 });
     this.content.add(this.tip, this.arrows, this.plan, ...Object.values(this.layers));
-    this.past = this.addPath(robot, trace, colours.begin, colours.path);
+    this.add(shown, links, colours.begin, colours.path);
   }
 
-  private addGhost(): void {
-    this.ghostLinks = [];
-    this.ghostPast = null;
-    const { ghost, colours } = this;
-    if (ghost === null) return;
-    this.ghostLinks = skins(ghost.robot, this.shapesOnly ? [] : ghost.look).map((skin) => this.draw(skin, colours.ghost, { transparent: true, opacity: 0.38, depthWrite: false }));
-    this.ghostPast = this.addPath(ghost.robot, ghost.trace, colours.ghost, colours.ghost);
-  }
-
-  /** Draws the path of the hand. Returns what of it has been travelled. */
-  private addPath(robot: Robot, trace: Trace, begin: string, end: string): Line2 {
-    const { all, travelled } = handPath(robot, trace, begin, end);
+  /** Adds a robot, whose surfaces are drawn, with the path of its hand from one colour to another. */
+  private add(moved: Moved, links: readonly Drawn[], begin: string, end: string): void {
+    const { all, travelled } = handPath(moved.robot, moved.trace, begin, end);
     this.content.add(all, travelled);
-    return travelled;
+    this.actors.push({ ...moved, links, past: travelled });
   }
 
   /** Moves everything to time t. */
   set(t: number): void {
     if (this.shown === null) return;
     const { robot, trace, reached } = this.shown;
-    if (this.ghost !== null) {
-      poseAt(this.ghost.robot, this.ghost.trace, t);
-      for (const { mesh, link, local } of this.ghostLinks) mesh.matrix.multiplyMatrices(this.ghost.robot.pose(link), local);
-      if (this.ghostPast !== null) this.ghostPast.geometry.instanceCount = this.ghost.trace.locate(t)[0];
+    for (const actor of this.actors) {
+      poseAt(actor.robot, actor.trace, t);
+      for (const { mesh, link, local } of actor.links) mesh.matrix.multiplyMatrices(actor.robot.pose(link), local);
+      actor.past.geometry.instanceCount = actor.trace.locate(t)[0];   // pieces between samples
     }
-    poseAt(robot, trace, t);
-    for (const { mesh, link, local } of this.links) mesh.matrix.multiplyMatrices(robot.pose(link), local);
     for (const body of this.bodies) {
       const now = bodyAt(body, robot, trace, t);
       body.mesh.position.copy(now.position);
@@ -307,7 +291,6 @@ export class ReplayScene {
     this.goal = this.goals[Math.min(reached.filter((time) => time < t).length, this.goals.length - 1)]?.mark ?? this.goal;
     const tip = robot.tipPose(new Matrix4());
     tip.decompose(this.tip.position, this.tip.quaternion, this.tip.scale);
-    if (this.past !== null) this.past.geometry.instanceCount = trace.locate(t)[0];   // pieces between samples
     this.setArrows(this.shown, t);
     this.setMap(this.shown, t);
     for (const [i, { mark, sensor }] of this.fields.entries()) mark.matrix.copy(robot.sensorPose(sensor, gazeAt(this.shown.map, i, t)));
@@ -323,8 +306,6 @@ export class ReplayScene {
 
   /** Collision rows as arrows from the robot to what it must not touch; those that hold the command back bold. */
   private setArrows({ robot, trace, rows: recorded }: Shown, t: number): void {
-    this.dispose(this.arrows);
-    this.arrows.clear();
     const [sample] = trace.locate(t);
     const rows = recorded[sample] ?? [];
     const names = [...new Set(rows.flatMap((row) => [row.link, row.other]))];
@@ -334,7 +315,7 @@ export class ReplayScene {
     };
     const places = { then: placesAt(trace.t[sample] ?? 0), now: placesAt(t) };
     this.rows = carried(rows, (name, when) => places[when].get(name) ?? new Matrix4());
-    for (const row of this.rows) this.arrows.add(rowArrow(row, this.colours));
+    this.refill(this.arrows, this.rows.map((row) => rowArrow(row, this.colours)));
   }
 
   /** Boxes of the map: they stand where the controller has them, by the measured pose of its base. */
@@ -345,9 +326,7 @@ export class ReplayScene {
     this.picture = picture;
     for (const cells of kCells) {
       const boxes = map.boxes.filter((box) => box.cells === cells && box.from <= picture && picture < box.to);
-      this.dispose(this.layers[cells]);
-      this.layers[cells].clear();
-      this.layers[cells].add(cells === 'occupied' ? mapMark(boxes, this.colours.occupied, 0.3, 0.6) : mapMark(boxes, this.colours.unseen, 0.1, 0.45));
+      this.refill(this.layers[cells], [cells === 'occupied' ? mapMark(boxes, this.colours.occupied, 0.3, 0.6) : mapMark(boxes, this.colours.unseen, 0.1, 0.45)]);
       this.boxes[cells] = boxes.length;
     }
   }
@@ -362,11 +341,15 @@ export class ReplayScene {
 
   /** The path that the base follows, from where it should be now; or the straight line to where a detour leads. */
   private setPlan(trace: Trace, { x, y }: Vector3, t: number): void {
-    this.dispose(this.plan);
-    this.plan.clear();
     const detour = detourTarget(trace, t);
     this.planned = detour === null ? pathAhead(trace, t) : [[x, y], detour];
-    this.plan.add(floorPath(this.planned, this.colours.plan));
+    this.refill(this.plan, [floorPath(this.planned, this.colours.plan)]);
+  }
+
+  private refill(group: Group, content: readonly Group[]): void {
+    this.dispose(group);
+    group.clear();
+    for (const part of content) group.add(part);
   }
 
   /** Projection of a point into the picture [CSS px]; null behind the camera. */

@@ -1,7 +1,7 @@
 // A replay's samples: base64, deflated, bytes put back in order, columns of float32.
 
 import type { ReplayData } from '../data';
-import { unpacked } from '../packed';
+import { columnsOf } from '../packed';
 
 export class Trace {
   readonly n: number;
@@ -63,5 +63,5 @@ export class Trace {
 
 /** Throws an Error where the samples do not fit their columns. */
 export function decode(source: ReplayData): Trace {
-  return new Trace(source, new Float32Array(unpacked(source.data, source.n * source.columns.length, 4, 'the samples')));
+  return new Trace(source, columnsOf(source.data, source.n, source.columns.length, 'the samples'));
 }
