@@ -13,6 +13,9 @@ export interface Palette {
   surface: string;
   series: readonly string[];
   outcomes: Readonly<Record<Outcome, string>>;
+  /** Steps from the least to the greatest value of a map of colours. */
+  ramp: readonly string[];
+  scene: Readonly<Record<'background' | 'floor' | 'grid' | 'base' | 'arm' | 'object' | 'moving' | 'hit' | 'goal' | 'path' | 'begin' | 'ghost' | 'wheel' | 'plan' | 'occupied' | 'unseen' | 'fields', string>>;
 }
 
 /** How many series have a colour of their own. */
@@ -26,6 +29,11 @@ const light: Palette = {
     success: '#4c9a7d', collision: '#8d1020', timeout: '#fca347', stuck: '#3a1acf', joint_limit: '#5c57b9',
     tipped: '#77325a', infeasible: '#76b8f1', diverged: '#6e75a0', spilled: '#b5651d', error: '#020b24',
   },
+  ramp: ['#f3f1ea', '#c9dbe2', '#86b3c9', '#41799f', '#173d63'],
+  scene: {
+    background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b',
+    path: '#27598f', begin: '#9db4cc', ghost: '#b8447b', wheel: '#3a424d', plan: '#1f8a78', occupied: '#6a4fb3', unseen: '#5f6a75', fields: '#1f86c0',
+  },
 };
 
 const dark: Palette = {
@@ -34,6 +42,11 @@ const dark: Palette = {
   outcomes: {
     success: '#56ad8d', collision: '#b83c10', timeout: '#e4c86a', stuck: '#3750c3', joint_limit: '#817f4c',
     tipped: '#98487c', infeasible: '#b1d9ec', diverged: '#7896c6', spilled: '#5a2d0c', error: '#dff4d4',
+  },
+  ramp: ['#1d2733', '#24496b', '#3b7fae', '#7fc0d8', '#e8f3e2'],
+  scene: {
+    background: '#171b21', floor: '#1b2027', grid: '#2c343f', base: '#8794a6', arm: '#d7dde6', object: '#6b6257', moving: '#8a7450', hit: '#e2664c', goal: '#dcb45a',
+    path: '#7fb0e6', begin: '#5d6570', ghost: '#cb64a3', wheel: '#4a525e', plan: '#4fb3a0', occupied: '#9a86e0', unseen: '#8d98a5', fields: '#4aa8dc',
   },
 };
 

@@ -5,7 +5,7 @@ import { along, inkOn } from '../colour';
 import { integer, percentRange, plural, sizes, upper } from '../format';
 import * as state from '../state';
 import { seriesColour } from '../theme';
-import { gains, intervalOf, isBetter, kMeasureChoice, measure, measured, points, ramp, short, told, valueOf, type Point } from './swept';
+import { gains, intervalOf, isBetter, kMeasureChoice, measure, measured, points, short, told, valueOf, type Point } from './swept';
 
 /** Points that differ from `best` in `gain` alone, itself among them, by their value of it. */
 function through(all: readonly Point[], best: Point, gain: string, others: readonly string[]): Point[] {
@@ -91,7 +91,7 @@ export function heat(): FigureSpec {
       const list = [...cells.values()];
       if (list.length === 0) return null;
       const [low, high] = [Math.min(...list.map((c) => c.value)), Math.max(...list.map((c) => c.value))];
-      const ink = (value: number): string => inkOn(along(ramp(p), high > low ? (value - low) / (high - low) : 0));
+      const ink = (value: number): string => inkOn(along(p.ramp, high > low ? (value - low) / (high - low) : 0));
       // Wide enough for the letters of a rate and of its interval below it.
       const cell = (width - 90) / xs.length;
       const isRate = list.every((c) => intervalOf(c.point.row, of) !== null);
@@ -109,7 +109,7 @@ export function heat(): FigureSpec {
           grid: gridBox(58, 16, 8), xAxis: category(kx, xs, 30), yAxis: category(ky, ys, 52),
           visualMap: {
             show: true, type: 'continuous', calculable: false, hoverLink: false, orient: 'horizontal', left: 'center', top: 8, itemWidth: 12, itemHeight: Math.min(200, 0.4 * width),
-            text: [of.write(high), of.write(low)], textStyle: { color: p.muted, fontSize: 11.5 }, min: low, max: high > low ? high : low + 1e-9, inRange: { color: ramp(p) },
+            text: [of.write(high), of.write(low)], textStyle: { color: p.muted, fontSize: 11.5 }, min: low, max: high > low ? high : low + 1e-9, inRange: { color: p.ramp },
           },
           tooltip: tipOf((point: Point) => tip(point.name, told(point, of))),
           series: [{

@@ -5,7 +5,6 @@ import { cellOf, inSlice, type Model, type SummaryRow } from '../data';
 import { percent, percentRange } from '../format';
 import { kMetrics, withUnit } from '../metrics';
 import * as state from '../state';
-import type { Palette } from '../theme';
 import { resultOf, view } from '../view';
 
 export interface Point { name: string; controller: string; point: string; values: Map<string, number>; row: SummaryRow }
@@ -76,10 +75,6 @@ export function isBetter(a: number, b: number, of: Measure): boolean {
 /** Lines of a point's tooltip. */
 export function told({ row }: Point, of: Measure): [string, string][] {
   return [[of.name, of.write(valueOf(row, of))], ['success', `${percent(row.success_rate)} (${percentRange(row.success_low, row.success_high)})`], ['n', String(row.n)]];
-}
-
-export function ramp(p: Palette): string[] {
-  return p.dark ? ['#1d2733', '#24496b', '#3b7fae', '#7fc0d8', '#e8f3e2'] : ['#f3f1ea', '#c9dbe2', '#86b3c9', '#41799f', '#173d63'];
 }
 
 /** A gain's key without what it is of. */

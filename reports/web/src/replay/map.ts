@@ -68,8 +68,11 @@ function each(unit: BufferGeometry, boxes: readonly MapBox[]): BufferGeometry {
   return new BufferGeometry().setAttribute('position', new BufferAttribute(points, 3));
 }
 
-/** Boxes that are seen through, with their edges. */
-export function mapMark(boxes: readonly MapBox[], colour: string, faces: number, edges: number): Group {
+/** Opacity of a box's faces and of its edges. */
+const kOpacity: Record<Cells, [number, number]> = { occupied: [0.3, 0.6], unseen: [0.1, 0.45] };
+
+export function mapMark(cells: Cells, boxes: readonly MapBox[], colour: string): Group {
+  const [faces, edges] = kOpacity[cells];
   const glass = { color: colour, transparent: true, depthWrite: false };
   return new Group().add(
     new Mesh(each(kFaces, boxes), new MeshStandardMaterial({ ...glass, opacity: faces, roughness: 0.9, flatShading: true })),

@@ -5,21 +5,11 @@ import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 
-import { palette } from '../theme';
+import type { Palette } from '../theme';
 import { poseAt, type Skin } from './look';
 import type { Robot, SensorJson } from './robot';
 import type { Row } from './rows';
 import type { Trace } from './trace';
-
-export interface Colours {
-  background: string; floor: string; grid: string; base: string; arm: string; object: string; moving: string; hit: string; goal: string; path: string; begin: string; ghost: string; wheel: string; plan: string; occupied: string; unseen: string; field: string;
-}
-
-export function colours(): Colours {
-  return palette().dark
-    ? { background: '#171b21', floor: '#1b2027', grid: '#2c343f', base: '#8794a6', arm: '#d7dde6', object: '#6b6257', moving: '#8a7450', hit: '#e2664c', goal: '#dcb45a', path: '#7fb0e6', begin: '#5d6570', ghost: '#cb64a3', wheel: '#4a525e', plan: '#4fb3a0', occupied: '#9a86e0', unseen: '#8d98a5', field: '#4aa8dc' }
-    : { background: '#eeece6', floor: '#f4f2ed', grid: '#d8d4c9', base: '#5d6b7e', arm: '#f7f8fa', object: '#b5ab9b', moving: '#cfae74', hit: '#c4472f', goal: '#c79a2b', path: '#27598f', begin: '#9db4cc', ghost: '#b8447b', wheel: '#3a424d', plan: '#1f8a78', occupied: '#6a4fb3', unseen: '#5f6a75', field: '#1f86c0' };
-}
 
 /** What robots and objects are made of. */
 export function matt(colour: string, more: MeshStandardMaterialParameters = {}): MeshStandardMaterial {
@@ -59,7 +49,7 @@ export function triad(size: number, solid: boolean): Group {
 }
 
 /** A collision row as an arrow from the robot to what it must not touch; bold where it holds the command back. */
-export function rowArrow({ first, second, active }: Row, colours: Colours): Group {
+export function rowArrow({ first, second, active }: Row, colours: Palette['scene']): Group {
   const along = second.clone().sub(first);
   const length = along.length();
   if (length < 1e-4) return new Group();

@@ -14,7 +14,7 @@ export class Playback {
   private before: number | null = null;   // time of the last frame
 
   /** `end` gives the motion's length [s]; `show` is called after each change of the time, `told` after Play and Pause. */
-  constructor(private readonly end: () => number, private readonly show: () => void, private readonly told: (running: boolean) => void) {}
+  constructor(readonly end: () => number, private readonly show: () => void, private readonly told: (running: boolean) => void) {}
 
   seek(t: number): void {
     this.time = Math.min(Math.max(0, t), this.end());

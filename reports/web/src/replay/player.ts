@@ -14,11 +14,10 @@ import { outcomeColour, palette } from '../theme';
 import { kView } from '../view';
 import { listed, MotionList, motionsNote, SecondMotion } from './motions';
 import { readMap } from './map';
-import { colours } from './marks';
 import { Joints } from './joints';
 import { readLook, type Skin } from './look';
 import { looksAhead, planSentence } from './plan';
-import { CaptionedPicture, type Words } from './captioned_picture';
+import { drawCaptioned, type Words } from './captioned_picture';
 import { Playback } from './playback';
 import { Robot } from './robot';
 import { readRows, RowWords } from './rows';
@@ -29,10 +28,10 @@ import { decode, type Trace } from './trace';
 
 const kSpeeds = [0.25, 0.5, 1, 2, 4] as const;
 /** Switches of what a motion may have beside the robot and the objects. */
-const kLayers: readonly { layer: Layer; name: string; title: string; on: boolean }[] = [
-  { layer: 'occupied', name: 'occupied', title: 'Boxes of the map\u2019s occupied cells, from which the controller keeps away', on: true },
-  { layer: 'unseen', name: 'unseen', title: 'Boxes of cells near the robot that no sensor has seen: the controller stops in front of them', on: true },
-  { layer: 'fields', name: 'sensor fields', title: 'What each sensor can see, to its range', on: false },
+const kLayers: readonly { layer: Layer; name: string; title: string; on: boolean; legend: string }[] = [
+  { layer: 'occupied', name: 'occupied', title: 'Boxes of the map\u2019s occupied cells, from which the controller keeps away', on: true, legend: 'occupied cells of the map' },
+  { layer: 'unseen', name: 'unseen', title: 'Boxes of cells near the robot that no sensor has seen: the controller stops in front of them', on: true, legend: 'unseen cells near the robot' },
+  { layer: 'fields', name: 'sensor fields', title: 'What each sensor can see, to its range', on: false, legend: 'what a sensor can see, to its range' },
 ];
 /** An arrow key moves the time by this much [s]. */
 const kStep = 0.1;
@@ -57,7 +56,7 @@ export function player(model: Model): HTMLElement {
   let wanted = '';
   const looks = new Map<string, readonly Skin[]>();
   let words: Words = { outcome: '', colour: '', caption: '', clock: '', labels: [] };
-  const picture = new CaptionedPicture();
+  const captioned = document.createElement('canvas');
   const motions = new MotionList(model);
   const beside = new SecondMotion(model);
   const rowWords = new RowWords();
@@ -79,11 +78,10 @@ export function player(model: Model): HTMLElement {
   const stopped = button('Why it stopped', () => jump('end'));
   const shapes = h('input', { type: 'checkbox', change: () => { scene?.setShapes(shapes.checked); tellTriangles(); show(); } });
   const shapesBox = h('label', { hidden: true, title: 'What counts in collisions, in place of what the robot looks like' }, shapes, ' shapes');
-  const layers = kLayers.map(({ layer, name, title, on }) => {
+  const layers = kLayers.map(({ layer, name, title, on, legend: text }) => {
     const input = h('input', { type: 'checkbox', checked: on, change: () => { scene?.showLayer(layer, input.checked); tellLegend(); draw(); } });
-    return { layer, input, label: h('label', { hidden: true, title }, input, ` ${name}`) };
+    return { layer, text, input, label: h('label', { hidden: true, title }, input, ` ${name}`) };
   });
-  const shows = (wanted: Layer): boolean => layers.some(({ layer, input, label }) => layer === wanted && input.checked && !label.hidden);
   const switches = h('div', { class: 'transport more', hidden: true }, ...layers.map(({ label }) => label));
   const legend = h('p', { class: 'replay-legend' });
   const stage = h('div', { class: 'stage-box' }, canvas, rowWords.labels, caption);
@@ -150,12 +148,11 @@ export function player(model: Model): HTMLElement {
   };
 
   const tellLegend = (): void => {
-    const c = colours();
+    const c = palette().scene;
     const t = model.trials;
     replace(legend, dotted(c.arm, 'robot'), dotted(c.goal, 'goal: the hand as it must arrive, a ball as large as the tolerance'), dotted(c.path, 'path of the hand, paler at its begin'),
       dotted(c.hit, 'touched, or a row that holds the command back'),
-      shows('occupied') ? dotted(c.occupied, 'occupied cells of the map') : null, shows('unseen') ? dotted(c.unseen, 'unseen cells near the robot') : null,
-      shows('fields') ? dotted(c.field, 'what a sensor can see, to its range') : null,
+      ...layers.filter(({ input, label }) => input.checked && !label.hidden).map(({ layer, text }) => dotted(c[layer], text)),
       trace !== null && looksAhead(trace) ? dotted(c.plan, 'where the base is to go: the path that it follows, or a detour') : null, ghost === null ? null : dotted(c.ghost, `${[t.text('controller', model.row(ghost.trial) ?? -1), t.text('point', model.row(ghost.trial) ?? -1)].join(' ').trim()} in the same world`));
   };
 
@@ -171,12 +168,11 @@ export function player(model: Model): HTMLElement {
   };
 
   const shown: Shown = {
-    name: () => (current === '' ? '' : `replay-${current}`), time: () => playback.time, end: last, rate: () => playback.rate,
-    seek: (t) => playback.seek(t), pause: () => playback.pause(),
+    name: () => (current === '' ? '' : `replay-${current}`), playback,
     picture: () => {
       drawNow();   // the canvas holds a picture only until the frame is shown
-      picture.draw(canvas, palette(), colours().hit, words);
-      return picture.canvas;
+      drawCaptioned(captioned, canvas, palette(), words);
+      return captioned;
     },
   };
 
@@ -231,7 +227,7 @@ export function player(model: Model): HTMLElement {
     const t = model.trials;
     const point = model.point(row);
     const next = new Robot(motion.robot);
-    scene ??= new ReplayScene(canvas, colours(), draw);
+    scene ??= new ReplayScene(canvas, draw);
     current = trial;
     sees = disturbed(point);
     trace = decoded;
@@ -319,7 +315,7 @@ export function player(model: Model): HTMLElement {
   state.listen(['beside'], () => {
     if (current !== '') setBeside().catch((error: unknown) => { rowWords.sentence.textContent = `The other motion cannot be shown: ${said(error)}.`; });
   });
-  state.listen(['theme'], () => { scene?.setColours(colours()); motions.fill(current); tellLegend(); show(); });
+  state.listen(['theme'], () => { scene?.build(); motions.fill(current); tellLegend(); show(); });
   const element = h('div', { class: 'replay' },
     h('div', { class: 'replay-main' },
       stage, paper,

@@ -2,6 +2,7 @@
 
 import { button, download } from '../dom';
 import { fixed, integer } from '../format';
+import type { Playback } from './playback';
 
 /** Frames a second of a motion that is saved. */
 const kFps = 30;
@@ -10,22 +11,14 @@ const kFps = 30;
 export interface Shown {
   /** Name of the shown trial, distinct for each; '' while nothing is shown. */
   name(): string;
-  /** [s] */
-  time(): number;
-  /** [s] */
-  end(): number;
-  /** Seconds of the motion per second of the film. */
-  rate(): number;
-  seek(t: number): void;
-  /** Stops what plays by itself. */
-  pause(): void;
+  playback: Playback;
   /** The moment shown, with its words. */
   picture(): HTMLCanvasElement;
 }
 
 export function pictureButton(of: Shown): HTMLButtonElement {
   const save = (): void => {
-    if (of.name() !== '') of.picture().toBlob((blob) => { if (blob !== null) download(`${of.name()}-${fixed(of.time(), 2)}s.png`, blob); });
+    if (of.name() !== '') of.picture().toBlob((blob) => { if (blob !== null) download(`${of.name()}-${fixed(of.playback.time, 2)}s.png`, blob); });
   };
   return button('Save PNG', save);
 }
@@ -38,12 +31,13 @@ export function filmButton(of: Shown): HTMLButtonElement {
       filming = null;
       return;
     }
-    const [name, from, rate] = [of.name(), of.time(), of.rate()];
-    of.pause();
+    const { playback } = of;
+    const [name, from, rate] = [of.name(), playback.time, playback.rate];
+    playback.pause();
     const mine = filming = Symbol(name);
-    const frames = Math.ceil((of.end() * kFps) / rate) + 1;
+    const frames = Math.ceil((playback.end() * kFps) / rate) + 1;
     const drawFrame = (k: number): void => {
-      of.seek((k * rate) / kFps);
+      playback.seek((k * rate) / kFps);
       of.picture();
       made.textContent = `Stop at ${integer(Math.round((100 * k) / frames))} %`;
     };
@@ -57,7 +51,7 @@ export function filmButton(of: Shown): HTMLButtonElement {
       made.textContent = 'No WebM here';   // a browser that encodes no video
     }
     if (filming === mine) filming = null;
-    if (of.name() === name) of.seek(from);
+    if (of.name() === name) playback.seek(from);
   };
   const made = button('Save WebM', () => void save());
   return made;

@@ -7,7 +7,8 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
 
-import { fieldMark, floorPath, goalMark, grid, handPath, matt, rowArrow, triad, type Colours } from './marks';
+import { palette } from '../theme';
+import { fieldMark, floorPath, goalMark, grid, handPath, matt, rowArrow, triad } from './marks';
 import { extent, fit } from './fit';
 import { poseAt, skins, solid, wheels, type Skin } from './look';
 import { gazeAt, kCells, mapMark, pictureAt, type Cells, type SeenMap } from './map';
@@ -133,7 +134,7 @@ export class ReplayScene {
   private lastBase = new Vector3();
   follow = false;
 
-  constructor(private readonly canvas: HTMLCanvasElement, private colours: Colours, changed: () => void) {
+  constructor(private readonly canvas: HTMLCanvasElement, changed: () => void) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: false, powerPreference: 'low-power' });
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
@@ -148,11 +149,6 @@ export class ReplayScene {
     canvas.addEventListener('pointerdown', () => { this.controls.enableZoom = true; });
     canvas.addEventListener('pointerleave', (event) => { if (event.pointerType !== 'touch') this.controls.enableZoom = false; });
     this.scene.add(this.content);
-  }
-
-  setColours(colours: Colours): void {
-    this.colours = colours;
-    this.build();
   }
 
   show(shown: Shown): void {
@@ -195,9 +191,11 @@ export class ReplayScene {
     return { mesh, link, local };
   }
 
-  private build(): void {
-    const { shown, ghost, colours } = this;
+  /** Makes all that is shown anew, in the colours of the page. */
+  build(): void {
+    const { shown, ghost } = this;
     if (shown === null) return;
+    const colours = palette().scene;
     const { robot, world } = shown;
     // Shaders live as long as a material needs them, and take longer to compile than to use: the materials of what was
     // shown go when those of what is shown have been drawn.
@@ -254,7 +252,7 @@ export class ReplayScene {
     this.plan = new Group();
     this.layers = { occupied: new Group(), unseen: new Group(), fields: new Group() };
     for (const layer of this.off) this.layers[layer].visible = false;
-    this.fields = robot.sensors.map((sensor) => ({ mark: fieldMark(sensor, colours.field), sensor }));
+    this.fields = robot.sensors.map((sensor) => ({ mark: fieldMark(sensor, colours.fields), sensor }));
     for (const { mark } of this.fields) this.layers.fields.add(mark);
     this.picture = -1;
     Object.assign(this.boxes, { occupied: 0, unseen: 0 });
@@ -315,7 +313,7 @@ export class ReplayScene {
     };
     const places = { then: placesAt(trace.t[sample] ?? 0), now: placesAt(t) };
     this.rows = carried(rows, (name, when) => places[when].get(name) ?? new Matrix4());
-    this.refill(this.arrows, this.rows.map((row) => rowArrow(row, this.colours)));
+    this.refill(this.arrows, this.rows.map((row) => rowArrow(row, palette().scene)));
   }
 
   /** Boxes of the map: they stand where the controller has them, by the measured pose of its base. */
@@ -326,7 +324,7 @@ export class ReplayScene {
     this.picture = picture;
     for (const cells of kCells) {
       const boxes = map.boxes.filter((box) => box.cells === cells && box.from <= picture && picture < box.to);
-      this.refill(this.layers[cells], [cells === 'occupied' ? mapMark(boxes, this.colours.occupied, 0.3, 0.6) : mapMark(boxes, this.colours.unseen, 0.1, 0.45)]);
+      this.refill(this.layers[cells], [mapMark(cells, boxes, palette().scene[cells])]);
       this.boxes[cells] = boxes.length;
     }
   }
@@ -343,7 +341,7 @@ export class ReplayScene {
   private setPlan(trace: Trace, { x, y }: Vector3, t: number): void {
     const detour = detourTarget(trace, t);
     this.planned = detour === null ? pathAhead(trace, t) : [[x, y], detour];
-    this.refill(this.plan, [floorPath(this.planned, this.colours.plan)]);
+    this.refill(this.plan, [floorPath(this.planned, palette().scene.plan)]);
   }
 
   private refill(group: Group, content: readonly Group[]): void {
