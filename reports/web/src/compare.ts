@@ -10,10 +10,7 @@ export interface PairedWorld { world: number; a: number; b: number; x: number; y
 
 export interface Pairs {
   worlds: PairedWorld[];
-  both: number;
-  onlyA: number;
-  onlyB: number;
-  neither: number;
+  both: number; onlyA: number; onlyB: number; neither: number;
   /** Exact McNemar test of equal success rates. */
   p: number;
   /** Mean of B - A over the worlds in which both sides have the metric. */

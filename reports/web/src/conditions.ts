@@ -1,7 +1,7 @@
 // Conditions: swept disturbances, worlds, simulation. Controllers are compared under one condition, or
 // one controller over several; none of them is "the best".
 
-import { inSlice, type Model, type PointInfo, type Slice } from './data';
+import type { Model, PointInfo, Slice } from './data';
 import * as state from './state';
 
 export interface Condition {
@@ -27,23 +27,19 @@ function valueOf(point: PointInfo, key: string): string {
 }
 
 export function conditions(model: Model, slice: Slice): Condition[] {
-  const points = model.page.points.filter((p) => inSlice(p, slice));
+  const points = model.pointsOf(slice);
   const keys = [...new Set(points.flatMap((p) => Object.keys(p.params)))].filter((key) => !isGain(key));
   return keys.map((key) => ({ key, values: [...new Set(points.map((p) => valueOf(p, key)))] })).filter((c) => c.values.length > 1);
 }
 
 /** True if the points of a controller differ, and only in conditions. */
 export function onlyConditions(model: Model, slice: Slice): boolean {
-  return conditions(model, slice).length > 0 && !model.page.points.some((p) => inSlice(p, slice) && Object.keys(p.params).some(isGain));
+  return conditions(model, slice).length > 0 && !model.pointsOf(slice).some((p) => Object.keys(p.params).some(isGain));
 }
 
 /** The chosen value of each condition, by its place; kept in the address as "0.2,1.0". */
-function chosen(): Map<number, number> {
+export function chosen(): Map<number, number> {
   return new Map(state.get('at').split(',').filter((text) => /^\d+\.\d+$/.test(text)).map((text) => text.split('.').map(Number) as [number, number]));
-}
-
-export function chosenValue(place: number): number | undefined {
-  return chosen().get(place);
 }
 
 export function choose(place: number, value: number | undefined): void {
@@ -55,8 +51,9 @@ export function choose(place: number, value: number | undefined): void {
 
 export function meets(model: Model, slice: Slice, point: PointInfo): boolean {
   if (state.get('at') === '') return true;
+  const now = chosen();
   return conditions(model, slice).every((c, place) => {
-    const value = c.values[chosenValue(place) ?? -1];
+    const value = c.values[now.get(place) ?? -1];
     return value === undefined || valueOf(point, c.key) === value;
   });
 }
@@ -82,7 +79,7 @@ export function disturbed(point: PointInfo | undefined): string {
 
 /** Names the disturbed parts of a slice's points in a few words; '' without disturbances. */
 export function disturbances(model: Model, slice: Slice): string {
-  const points = model.page.points.filter((p) => inSlice(p, slice));
+  const points = model.pointsOf(slice);
   const swept = conditions(model, slice).filter((c) => c.key === 'disturbances');
   if (swept.length > 0) return swept.flatMap((c) => c.values.map(shortValue)).join(', ');
   const kinds = new Set(points.map(disturbed));

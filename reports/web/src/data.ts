@@ -193,12 +193,7 @@ export class Trials {
 }
 
 /** Comparable trials: one suite, robot and mode. */
-export interface Slice {
-  id: string;
-  suite: string;
-  robot: string;
-  mode: string;
-}
+export interface Slice { id: string; suite: string; robot: string; mode: string }
 
 /** A controller at one sweep point, with its trials. */
 export interface Series {
@@ -216,13 +211,12 @@ export interface Series {
 export class Model {
   readonly trials = new Trials();
   slices: Slice[] = [];
-  page: PageData;
+  page!: PageData;
   private rowOf = new Map<string, number>();
   private replays = new Map<string, PageData['replays'][number]>();
   private fetched = new Map<string, Promise<Motion>>();
 
   constructor(page: PageData) {
-    this.page = page;
     this.load(page);
   }
 
@@ -294,13 +288,17 @@ export class Model {
     return this.page.stores?.find((s) => s.label === label)?.file ?? this.page.store.file;
   }
 
+  pointsOf(slice: Slice): PointInfo[] {
+    return this.page.points.filter((point) => inSlice(point, slice));
+  }
+
   families(slice: Slice): string[] {
     return [...new Set(this.page.summary.filter((s) => inSlice(s, slice)).map((s) => s.family ?? ''))];
   }
 
   /** The series of a slice, in the order in which the store defined them, with the trials of `family` ('' all). */
   series(slice: Slice, family: string): Series[] {
-    const infos = this.page.points.filter((point) => inSlice(point, slice));
+    const infos = this.pointsOf(slice);
     const label = shortLabels(infos.map((info) => info.point));
     const alone = new Set(infos.map((info) => info.controller)).size === 1;
     const values = valuesOnly(infos.map((info) => info.point));

@@ -19,13 +19,12 @@ export function whenSeen(element: Element, call: () => void): void {
   seen().observe(element);
 }
 
-/** Margin around the window that whenSeen() observes. */
 export function isNear(element: Element): boolean {
   const box = element.getBoundingClientRect();
   return box.bottom > -kMargin && box.top < innerHeight + kMargin;
 }
 
-/** Parts that are drawn when the page is idle, and for paper. */
+/** Drawn when the page is idle, too, and for paper. */
 const figures: Element[] = [];
 
 function drawWaiting(element: Element): void {
@@ -37,8 +36,8 @@ function drawWaiting(element: Element): void {
 
 let idling = 0;
 
-/** Draws the figures that nobody has looked at yet, one at a time, when the reader has done nothing for so long [ms]. */
-function drawSoon(delay = 1500): void {
+/** Draws the figures that nobody has looked at yet, one at a time, after so long [ms]: a picture of the whole page shows them. */
+export function drawSoon(delay: number): void {
   const inTime = { timeout: 1000 };  // [ms]; a slow machine has no idle moment while a motion plays
   const idle = (): void => {
     const next = figures.find((element) => waiting.has(element));
@@ -50,11 +49,6 @@ function drawSoon(delay = 1500): void {
   idling = window.setTimeout(() => requestIdleCallback(idle, inTime), delay);
 }
 
-/** Draws all figures as soon as nothing else is to do: a picture of the whole page shows them. */
-export function drawWhenIdle(): void {
-  drawSoon(100);
-}
-
 const afterwards = new Set<() => void>();
 
 /** Calls back after the next frame has been shown, or before the page is printed. */
@@ -63,7 +57,6 @@ export function afterFrame(call: () => void): void {
   requestAnimationFrame(() => setTimeout(() => { if (afterwards.delete(call)) call(); }));
 }
 
-/** Draws all that still waits, now. */
 export function drawAll(): void {
   for (const call of afterwards) {   // those that are added meanwhile, too
     afterwards.delete(call);
@@ -86,5 +79,5 @@ export function drawOrWait(element: Element, draw: () => void): void {
     return;
   }
   whenSeen(element, draw);
-  drawSoon();
+  drawSoon(1500);
 }

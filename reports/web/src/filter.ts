@@ -20,15 +20,13 @@ function textsOf({ page, trials: t }: Model): string[] {
   return texts;
 }
 
-let sortedOf: View | null = null;
-let sortedBy = '';
-let sorted: number[] = [];
+let sorted: { of: View; by: string; rows: number[] } | null = null;
 
 /** All rows of the shown series in the chosen order, those without a value last; `last` is the text of the last column. */
 function inOrder(model: Model, isText: (key: string) => boolean, last: (row: number) => string): number[] {
   const now = view();
   const by = state.get('sort');
-  if (sortedOf === now && sortedBy === by) return sorted;
+  if (sorted?.of === now && sorted.by === by) return sorted.rows;
   const [key = 'world', direction = 'up'] = by.split(':');
   const sign = direction === 'down' ? -1 : 1;
   const at = (row: number): string | number => {
@@ -39,8 +37,8 @@ function inOrder(model: Model, isText: (key: string) => boolean, last: (row: num
   };
   const rows = now.series.flatMap((s) => s.rows.map((row) => ({ row, at: at(row) })));
   rows.sort((a, b) => (a.at === b.at ? 0 : a.at < b.at ? -sign : sign));
-  [sortedOf, sortedBy, sorted] = [now, by, rows.map(({ row }) => row)];
-  return sorted;
+  sorted = { of: now, by, rows: rows.map(({ row }) => row) };
+  return sorted.rows;
 }
 
 /** Rows that pass the filters, in the order asked for. */

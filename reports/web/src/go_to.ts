@@ -2,6 +2,7 @@
 
 let target: Element | null = null;
 let place = 0;
+let changes: ResizeObserver | null = null;
 
 function align(): void {
   target?.scrollIntoView({ behavior: 'instant' });
@@ -15,10 +16,9 @@ function release(): void {
   changes?.disconnect();
 }
 
-let changes: ResizeObserver | null = null;
-
-/** Scrolls to an element and keeps it there, whatever changes its height above, until the reader scrolls, clicks or types. */
-function goTo(element: Element | null): void {
+/** Scrolls to a section and keeps it there, whatever changes its height above, until the reader scrolls, clicks or types. */
+export function goToSection(id: string): void {
+  const element = document.getElementById(id);
   if (element === null) return;
   if (changes === null) {
     changes = new ResizeObserver(align);
@@ -30,9 +30,4 @@ function goTo(element: Element | null): void {
   document.documentElement.style.overflowAnchor = 'none';
   align();
   changes.observe(document.body);
-}
-
-/** To a section of the page, by its name. */
-export function goToSection(id: string): void {
-  if (id !== '') goTo(document.getElementById(id));
 }

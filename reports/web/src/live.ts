@@ -20,18 +20,16 @@ function roughly(seconds: number): string {
 }
 
 /** Trials per second over the observed counts; null until two counts differ. */
-class Pace {
-  private readonly seen: { at: number; stored: number }[] = [];
-
-  add(stored: number): number | null {
+function pace(): (stored: number) => number | null {
+  const seen: { at: number; stored: number }[] = [];
+  return (stored) => {
     const now = performance.now();
-    const before = this.seen[this.seen.length - 1];
-    if (before !== undefined && stored < before.stored) this.seen.length = 0;   // another run
-    this.seen.push({ at: now, stored });
-    while (this.seen.length > 2 && now - (this.seen[0]?.at ?? now) > kWindow) this.seen.shift();
-    const [first] = this.seen;
+    if (stored < (seen.at(-1)?.stored ?? 0)) seen.length = 0;   // another run
+    seen.push({ at: now, stored });
+    while (seen.length > 2 && now - (seen[0]?.at ?? now) > kWindow) seen.shift();
+    const [first] = seen;
     return first === undefined || stored <= first.stored || now <= first.at ? null : (1000 * (stored - first.stored)) / (now - first.at);
-  }
+  };
 }
 
 function words(now: State, rate: number | null): string {
@@ -46,7 +44,7 @@ function words(now: State, rate: number | null): string {
 export function liveLine(model: Model): HTMLElement | null {
   if (model.page.live === undefined) return null;
   const line = h('p', { class: 'live', role: 'status' }, `${plural(model.page.trials.stored, 'trial')}, served live.`);
-  const pace = new Pace();
+  const paceOf = pace();
   let shown = model.page.live.token;
   let pause = kPause;
 
@@ -71,7 +69,7 @@ export function liveLine(model: Model): HTMLElement | null {
       if (!document.hidden) {
         const now = await ask('state.json') as State;
         if (now.token !== shown) await update();
-        replace(line, words(now, now.running ? pace.add(now.stored) : null));
+        replace(line, words(now, now.running ? paceOf(now.stored) : null));
         line.classList.toggle('running', now.running);
       }
     } catch (error) {

@@ -3,7 +3,7 @@
 
 import './style.css';
 
-import { drawWhenIdle } from './draw_order';
+import { drawSoon } from './draw_order';
 import { Model, readPageData, type PageData } from './data';
 import { append, h, replace } from './dom';
 import { goToSection } from './go_to';
@@ -51,7 +51,7 @@ function start(app: HTMLElement, page: PageData): void {
       h('footer', { class: 'colophon' }, h('p', null, 'Rates carry 95 % Wilson intervals. Keys: Tab moves between controls; in the table, arrows choose and Enter plays; in the replay, space plays and arrows step. The address keeps the view.'),
         h('p', null, 'Drawn with Apache ECharts (Apache-2.0) and three.js (MIT), filmed with Mediabunny (MPL-2.0); set in Inter and Source Serif 4 (OFL-1.1).')));
     bar.watch();
-    drawWhenIdle();
+    drawSoon(100);
     // A link that names a part of the page; reading on or going back is the browser's.
     if (scrollY === 0) goToSection(state.get('in'));
     // An address that the reader typed or pasted; entries of the page's own history have a state, and the browser scrolls to where they were.

@@ -54,8 +54,7 @@ export function view(): View {
   const points = model.series(slice, family);
   const met = points.filter((s) => meets(model, slice, s.info));
   const all = met.length > 0 ? met : points;
-  const most = onlyConditions(model, slice) ? kMostConditions : kMostSeries;
-  const series = all.filter((s) => shown(model, slice, all, s, most));
+  const series = shown(model, slice, all);
   if (points.length > kColours) {   // colours go to those that are shown
     for (const s of points) s.mark = series.indexOf(s);
   }
@@ -63,11 +62,19 @@ export function view(): View {
   return cached;
 }
 
-function shown(model: Model, slice: Slice, all: readonly Series[], series: Series, most: number): boolean {
-  const chosen = state.get('show').split(',').filter((index) => all.some((s) => String(s.index) === index));
-  if (chosen.length > 0) return chosen.includes(String(series.index));
-  if (all.length <= most) return true;
-  return best(model, slice, all).has(series.index);
+/** Whether all series are shown unless the reader chooses among them. */
+function fit(model: Model, slice: Slice, all: readonly Series[]): boolean {
+  return all.length <= (onlyConditions(model, slice) ? kMostConditions : kMostSeries);
+}
+
+/** Those that the reader has chosen, else all; of too many the few with the highest success rate over all families. */
+function shown(model: Model, slice: Slice, all: readonly Series[]): Series[] {
+  const indices = state.get('show').split(',');
+  const chosen = all.filter((s) => indices.includes(String(s.index)));
+  if (chosen.length > 0 || fit(model, slice, all)) return chosen.length > 0 ? chosen : [...all];
+  const rate = new Map(all.map((s) => [s, rowOf(model, slice, '', s)?.success_rate ?? -1]));
+  const best = [...all].sort((a, b) => rate.get(b)! - rate.get(a)!).slice(0, kMostSeries - 2);
+  return all.filter((s) => best.includes(s));
 }
 
 /** The trials of each shown series in each shown family of worlds, where it has any. */
@@ -87,12 +94,6 @@ function rowOf(model: Model, slice: Slice, family: string, s: Pick<Series, 'cont
 export function resultOf(s: Pick<Series, 'controller' | 'point'>, family = view().family): SummaryRow | undefined {
   const { model, slice } = view();
   return rowOf(model, slice, family, s);
-}
-
-/** Returns the few series with the highest success rate over all families. */
-function best(model: Model, slice: Slice, all: readonly Series[]): Set<number> {
-  const rate = new Map(all.map((s) => [s, rowOf(model, slice, '', s)?.success_rate ?? -1]));
-  return new Set([...all].sort((a, b) => rate.get(b)! - rate.get(a)!).slice(0, kMostSeries - 2).map((s) => s.index));
 }
 
 /**
@@ -134,7 +135,6 @@ export function toggleSeries(index: number): void {
   else now.add(index);
   if (now.size === 0) return;
   const { all, model, slice } = view();
-  const most = onlyConditions(model, slice) ? kMostConditions : kMostSeries;
   const text = [...now].sort((a, b) => a - b).join(',');
-  state.set({ show: now.size === all.length && all.length <= most ? '' : text });
+  state.set({ show: now.size === all.length && fit(model, slice, all) ? '' : text });
 }

@@ -1,7 +1,7 @@
 // The points of a sweep: what was swept, and the measure that is looked at.
 
 import type { Choice } from '../chart';
-import { cellOf, inSlice, type Model, type SummaryRow } from '../data';
+import { cellOf, type Model, type SummaryRow } from '../data';
 import { percent, percentRange } from '../format';
 import { kMetrics, withUnit } from '../metrics';
 import * as state from '../state';
@@ -38,7 +38,7 @@ export const kMeasureChoice: Choice = { key: 'f.measure', label: 'Measure', opti
 /** The points of the slice with the numbers that were swept, and their rows of the table of results. */
 export function points(): Point[] {
   const { model, slice } = view();
-  return model.page.points.filter((p) => inSlice(p, slice)).flatMap((p) => {
+  return model.pointsOf(slice).flatMap((p) => {
     const values = new Map(Object.entries(p.params).filter((e): e is [string, number] => typeof e[1] === 'number'));
     const row = resultOf(p);
     return values.size === 0 || row === undefined ? [] : [{ name: p.point || p.controller, controller: p.controller, point: p.point, values, row }];

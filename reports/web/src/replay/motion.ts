@@ -7,18 +7,11 @@ import { quaternion } from './robot';
 export interface MotionJson {
   kind: string;
   velocity?: number[];
-  times?: number[];
-  positions?: number[][];
-  quaternions?: number[][];
-  center?: number[];
-  axis?: number[];
-  rate?: number;
+  times?: number[]; positions?: number[][]; quaternions?: number[][];
+  center?: number[]; axis?: number[]; rate?: number;
 }
 
-export interface Placed {
-  position: Vector3;
-  turn: Quaternion;
-}
+export interface Placed { position: Vector3; turn: Quaternion }
 
 export function vector(values: readonly number[] | undefined): Vector3 {
   const [x = 0, y = 0, z = 0] = values ?? [];
@@ -71,12 +64,24 @@ export function placeAt(motion: MotionJson | undefined, start: Placed, t: number
       position.addScaledVector(vector(motion.velocity?.slice(3, 6)), t);
       break;
     }
-    case 'path': {
-      const times = motion.times ?? [];
+    case 'path': case 'spline': {
+      const { times = [], positions = [], quaternions = [] } = motion;
       if (times.length === 0) break;
-      const [i, s] = between(times, t);
-      position.copy(vector(motion.positions?.[i])).lerp(vector(motion.positions?.[Math.min(i + 1, times.length - 1)]), s);
-      if (motion.quaternions?.length) turn.copy(quaternion(motion.quaternions[i])).slerp(quaternion(motion.quaternions[Math.min(i + 1, times.length - 1)]), s);
+      const [i, b] = between(times, t);
+      const j = Math.min(i + 1, times.length - 1);
+      if (motion.kind === 'path') {
+        position.copy(vector(positions[i])).lerp(vector(positions[j]), b);
+        if (quaternions.length > 0) turn.copy(quaternion(quaternions[i])).slerp(quaternion(quaternions[j]), b);
+        break;
+      }
+      const h = (times[j] ?? 0) - (times[i] ?? 0);
+      const a = 1 - b;
+      const coordinate = (k: number): number => {
+        const values = positions.map((p) => p[k] ?? 0);
+        const m = curvatures(times, values);
+        return a * (values[i] ?? 0) + b * (values[j] ?? 0) + (((a ** 3 - a) * (m[i] ?? 0) + (b ** 3 - b) * (m[j] ?? 0)) * h * h) / 6;
+      };
+      position.set(coordinate(0), coordinate(1), coordinate(2));
       break;
     }
     case 'circle': {
@@ -84,21 +89,6 @@ export function placeAt(motion: MotionJson | undefined, start: Placed, t: number
       const by = new Quaternion().setFromAxisAngle(vector(motion.axis ?? [0, 0, 1]).normalize(), (motion.rate ?? 0) * t);
       position.sub(centre).applyQuaternion(by).add(centre);
       turn.premultiply(by);
-      break;
-    }
-    case 'spline': {
-      const times = motion.times ?? [];
-      if (times.length === 0) break;
-      const [i, b] = between(times, t);
-      const j = Math.min(i + 1, times.length - 1);
-      const h = (times[j] ?? 0) - (times[i] ?? 0);
-      const a = 1 - b;
-      const coordinate = (k: number): number => {
-        const values = (motion.positions ?? []).map((p) => p[k] ?? 0);
-        const m = curvatures(times, values);
-        return a * (values[i] ?? 0) + b * (values[j] ?? 0) + (((a ** 3 - a) * (m[i] ?? 0) + (b ** 3 - b) * (m[j] ?? 0)) * h * h) / 6;
-      };
-      position.set(coordinate(0), coordinate(1), coordinate(2));
       break;
     }
     default:

@@ -50,7 +50,7 @@ export function player(model: Model): HTMLElement {
   let trace: Trace | null = null;
   let robot: Robot | null = null;
   let current = '';
-  let ghost: { trial: string; trace: Trace } | null = null;
+  let ghost = '';   // trial of the motion beside it
   let hasRows = false;
   let sees = '';   // what of the controller's senses is disturbed
   let wanted = '';
@@ -88,13 +88,11 @@ export function player(model: Model): HTMLElement {
   const paper = paperPlace();
   rowWords.keepClear(stage, caption, () => { if (current !== '') draw(); });
 
-  const last = (): number => Math.max(trace?.end ?? 0, ghost?.trace.end ?? 0);
-
   const show = (): void => {
     const { time } = playback;
     scene?.set(time);
     scrub.value = String(time);
-    clock.textContent = words.clock = `${fixed(time, 2)} of ${fixed(last(), 2)} s`;
+    clock.textContent = words.clock = `${fixed(time, 2)} of ${fixed(timeline.end, 2)} s`;
     if (trace !== null && robot !== null) {
       const now = Math.min(time, trace.end);
       status.textContent = `Solver: ${statusAt(trace, now)}; ${plural(Math.round(trace.at('active_rows', now)), 'active constraint')}.`;
@@ -111,7 +109,7 @@ export function player(model: Model): HTMLElement {
     rowWords.tell(scene?.rows ?? [], hasRows, sees, stage);
     draw();
   };
-  const playback = new Playback(last, show, (running) => { play.textContent = running ? 'Pause' : 'Play'; });
+  const playback = new Playback(() => timeline.end, show, (running) => { play.textContent = running ? 'Pause' : 'Play'; });
   const start = (): void => { if (trace !== null) playback.start(); };
   const toggle = (): void => { if (trace !== null) playback.toggle(); };
   const moveTo = (t: number): void => {
@@ -153,7 +151,7 @@ export function player(model: Model): HTMLElement {
     replace(legend, dotted(c.arm, 'robot'), dotted(c.goal, 'goal: the hand as it must arrive, a ball as large as the tolerance'), dotted(c.path, 'path of the hand, paler at its begin'),
       dotted(c.hit, 'touched, or a row that holds the command back'),
       ...layers.filter(({ input, label }) => input.checked && !label.hidden).map(({ layer, text }) => dotted(c[layer], text)),
-      trace !== null && looksAhead(trace) ? dotted(c.plan, 'where the base is to go: the path that it follows, or a detour') : null, ghost === null ? null : dotted(c.ghost, `${[t.text('controller', model.row(ghost.trial) ?? -1), t.text('point', model.row(ghost.trial) ?? -1)].join(' ').trim()} in the same world`));
+      trace !== null && looksAhead(trace) ? dotted(c.plan, 'where the base is to go: the path that it follows, or a detour') : null, ghost === '' ? null : dotted(c.ghost, `${['controller', 'point'].map((name) => t.text(name, model.row(ghost) ?? -1)).join(' ').trim()} in the same world`));
   };
 
   const tellTriangles = (): void => { stage.dataset['triangles'] = String(scene?.triangles() ?? 0); };
@@ -184,11 +182,12 @@ export function player(model: Model): HTMLElement {
   };
 
   const putBeside = (trial: string, motion: Motion | null): void => {
-    ghost = motion === null ? null : { trial, trace: decode(motion.replay) };
-    scene?.beside(ghost === null || motion === null ? null : { robot: new Robot(motion.robot), trace: ghost.trace, look: lookOf(motion) });
-    timeline.beside(ghost?.trace ?? null);
-    scrub.max = String(last());
-    stage.dataset['beside'] = ghost?.trial ?? '';
+    ghost = motion === null ? '' : trial;
+    const moved = motion === null ? null : { robot: new Robot(motion.robot), trace: decode(motion.replay), look: lookOf(motion) };
+    scene?.beside(moved);
+    timeline.beside(moved?.trace ?? null);
+    scrub.max = String(timeline.end);
+    stage.dataset['beside'] = ghost;
     tellLegend();
   };
 
@@ -197,7 +196,7 @@ export function player(model: Model): HTMLElement {
     beside.fill(current);
     const trial = beside.wanted(current);
     const of = current;
-    if ((ghost?.trial ?? '') === trial) return;
+    if (ghost === trial) return;
     const motion = trial === '' ? null : await model.motion(trial);
     if (of !== current || beside.wanted(current) !== trial) return;   // another was chosen meanwhile
     putBeside(trial, motion);
@@ -250,10 +249,10 @@ export function player(model: Model): HTMLElement {
       hit: { link: t.text('link', row), object: t.text('object', row) }, tolerance: point?.success_position_m ?? 0,
     });
     timeline.show(decoded, point === undefined ? null : { position: point.success_position_m, rotation: point.success_orientation_rad });
-    ghost = null;
     const twin = beside.wanted(current);
-    putBeside(twin, model.embedded(twin) ?? null);
-    if (ghost !== null) scene.home();
+    const besides = model.embedded(twin) ?? null;
+    putBeside(twin, besides);
+    if (besides !== null) scene.home();
     beside.fill(current);
     tellCaption(row, motion.simulated);
     joints.show(next);

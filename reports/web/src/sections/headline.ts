@@ -12,10 +12,7 @@ import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
 import { baseline, kFew, resultOf, rivalsOf, view } from '../view';
 
-interface Judged {
-  series: Series;
-  row: SummaryRow | undefined;
-}
+interface Judged { series: Series; row: SummaryRow | undefined }
 
 function rateOf(judged: Judged): number {
   return judged.row?.success_rate ?? -1;
@@ -74,7 +71,7 @@ function track(rows: readonly { series: Series; row: SummaryRow }[]): HTMLElemen
 
 function forest(shown: readonly Judged[], pair: readonly [Series, Series] | null, told: readonly Difference[]): HTMLElement {
   const { family, families } = view();
-  const lines = [...(family === '' ? [''] : []), ...(family === '' ? (families.length > 1 ? families : []) : [family])];
+  const lines = family !== '' ? [family] : ['', ...(families.length > 1 ? families : [])];
   const ticks = h('div', { class: 'ticks', 'aria-hidden': 'true' }, ...[0, 25, 50, 75, 100].map((v) => h('span', { style: `left:${v}%` }, v === 100 ? '100\u00a0%' : `${v}`)));
   return h('div', { class: pair === null ? 'forest' : 'forest paired', style: `--rows:${shown.length}` },
     h('div', { class: 'forest-head' }, h('span', null, 'worlds'), h('span', null, 'success, 95 % Wilson interval'),

@@ -38,7 +38,7 @@ function names(all: readonly string[]): string {
 function facts(model: Model): [string, string][] {
   const { page } = model;
   const { slice, families } = view();
-  const points = page.points.filter((p) => inSlice(p, slice));
+  const points = model.pointsOf(slice);
   const all = page.invocations.filter((i) => i.suite === slice.suite);
   const working = all.filter((i) => i.trials_done > 0);
   const runs = working.length > 0 ? working : all;   // one that found every trial in the store has made none of them

@@ -4,7 +4,7 @@ import { inSlice, type Model, type PointInfo } from '../data';
 import { integer, list, plural } from '../format';
 import { view } from '../view';
 
-const kSettings: readonly (readonly [keyof PointInfo, string])[] = [
+export const kSettings: readonly (readonly [keyof PointInfo, string])[] = [
   ['control_period_s', 'control period'], ['physics_step_s', 'physics step'], ['time_limit_s', 'time limit'],
   ['success_position_m', 'tolerance in position'], ['success_orientation_rad', 'tolerance in orientation'], ['success_dwell_s', 'dwell time'],
 ];
@@ -20,6 +20,8 @@ function settings(points: readonly PointInfo[], several: boolean): string[] {
 export function notices(model: Model, suites: readonly string[]): string[] {
   const { page, trials } = model;
   const { slice } = view();
+  const points = model.pointsOf(slice);
+  const overall = page.overall.filter((o) => inSlice(o, slice));
   const out: string[] = [];
   if (page.points.length === 0 || trials.n === 0) {
     if (page.invocations.every((i) => i.risk === null)) out.push('This store holds no trials yet: nothing has been evaluated, or the run has only begun.');
@@ -43,27 +45,20 @@ export function notices(model: Model, suites: readonly string[]): string[] {
     if (missing > 0) out.push(`${where}${why}: ${integer(stored)} of ${plural(latest.trials_planned, 'trial')} are here, ${integer(missing)} missing.${latest.writer === 'at work' ? '' : ' The same command goes on where it stopped.'} What follows is interim: whoever looks before the end and stops when a difference shows finds more of them than there are. Its p-values hold for the whole run.`);
     else if (latest.status !== 'finished') out.push(`${where}${why}, yet all ${plural(latest.trials_planned, 'planned trial')} are here.`);
   }
-  const leftOut = new Set(page.points.filter((p) => inSlice(p, slice)).flatMap((p) => p.left_out));
+  const leftOut = new Set(points.flatMap((p) => p.left_out));
   if (leftOut.size > 0) {
     out.push(`Of the URDF of ${slice.robot} ${leftOut.size === 1 ? 'one part was' : `${integer(leftOut.size)} parts were`} not understood and left out (--lenient), so that nothing can collide with what is missing: ${list([...leftOut])}.`);
   }
-  const counts = page.overall.filter((o) => inSlice(o, slice)).map((o) => o.n);
-  if (new Set(counts).size > 1) out.push('The controllers do not have equally many trials: compare them world by world.');
-  const broken = (outcome: string): number => {
-    let n = 0;
-    for (let row = 0; row < trials.n; ++row) {
-      if (trials.text('outcome', row) === outcome && trials.text('suite', row) === slice.suite) ++n;
-    }
-    return n;
-  };
-  const errors = page.overall.filter((o) => inSlice(o, slice)).reduce((sum, o) => sum + o.errors, 0);
-  const diverged = broken('diverged');
+  if (new Set(overall.map((o) => o.n)).size > 1) out.push('The controllers do not have equally many trials: compare them world by world.');
+  const suite = Array.from({ length: trials.n }, (_, row) => row).filter((row) => trials.text('suite', row) === slice.suite);
+  const errors = overall.reduce((sum, o) => sum + o.errors, 0);
+  const diverged = suite.filter((row) => trials.outcome(row) === 'diverged').length;
   if (errors > 0) out.push(`${plural(errors, 'trial')} ended by an error; ${errors === 1 ? 'it counts' : 'they count'} as failed. The table of results has the rate without ${errors === 1 ? 'it' : 'them'}, the table of trials the text.`);
   if (diverged > 0) out.push(`In ${plural(diverged, 'trial')} the physics diverged; ${diverged === 1 ? 'it counts' : 'they count'} as failed.`);
   const classes = new Set(runs.map((r) => r.machine_class));
   if (classes.size > 1) out.push(`Trials come from ${integer(classes.size)} classes of machines, whose last bits may differ.`);
-  out.push(...settings(page.points.filter((p) => inSlice(p, slice)), page.stores !== undefined));
-  const versions = new Set(page.points.filter((p) => inSlice(p, slice)).map((p) => p.simulation_version));
+  out.push(...settings(points, page.stores !== undefined));
+  const versions = new Set(points.map((p) => p.simulation_version));
   if (versions.size > 1) out.push('Trials of different simulation versions are shown together: run the suite again before comparing.');
   if (suites.length > 1) out.push(`The store holds ${integer(suites.length)} suites: ${list(suites)}. The bar below chooses the one that the page shows.`);
   return out;

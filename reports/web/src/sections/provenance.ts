@@ -1,11 +1,12 @@
 // Provenance of the numbers: runs, versions, machine, what changed, and the controllers' parameters side by side.
 
 import { flatten } from '../conditions';
-import { inSlice, type Model, type PointInfo } from '../data';
+import type { Model, PointInfo } from '../data';
 import { h, replace, table, terms } from '../dom';
 import { integer, plural } from '../format';
 import * as state from '../state';
 import { kView, view } from '../view';
+import { kSettings } from './notices';
 
 /** More columns than this are not read. */
 const kMost = 8;
@@ -51,7 +52,7 @@ function parameters(all: readonly PointInfo[]): HTMLElement | null {
 }
 
 /** Settings of a point other than its gains. */
-const kShared = ['control_period_s', 'physics_step_s', 'time_limit_s', 'success_position_m', 'success_orientation_rad', 'success_dwell_s', 'simulation_version', 'disturbances', 'worlds', 'robot_content'] as const;
+const kShared: readonly (keyof PointInfo)[] = [...kSettings.map(([key]) => key), 'simulation_version', 'disturbances', 'worlds', 'robot_content'];
 
 function settingsOf(p: PointInfo): Map<string, string> {
   return new Map([...flatten(p.parameters), ...kShared.flatMap((key) => flatten(p[key], key))].filter(([key]) => key !== ''));
@@ -95,7 +96,7 @@ export function provenance(model: Model): HTMLElement {
       replace(box, h('p', { class: 'empty' }, 'No run is recorded in this store.'));
       return;
     }
-    const points = model.page.points.filter((p) => inSlice(p, slice));
+    const points = model.pointsOf(slice);
     replace(box,
       h('div', { class: 'columns' },
         h('dl', null, ...terms([

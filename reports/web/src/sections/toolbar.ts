@@ -1,6 +1,6 @@
 // The bar that stays on top: sections, what is shown, light or dark.
 
-import { choose, chosenValue, conditions, shortValue, type Condition } from '../conditions';
+import { choose, chosen, conditions, shortValue, type Condition } from '../conditions';
 import type { Model } from '../data';
 import { button, choice, h, replace, roving } from '../dom';
 import { goToSection } from '../go_to';
@@ -17,7 +17,7 @@ interface Toolbar {
 
 /** Few values side by side, many in a list. */
 function under(of: Condition, place: number): HTMLElement {
-  const now = chosenValue(place);
+  const now = chosen().get(place);
   if (of.values.length > 5) {
     return choice(of.key, [['', 'all'], ...of.values.map((v, i) => [String(i), shortValue(v)] as const)], now === undefined ? '' : String(now),
       (value) => choose(place, value === '' ? undefined : Number(value)));
