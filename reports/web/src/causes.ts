@@ -62,7 +62,6 @@ function held(reason: string): Held {
   return out;
 }
 
-/** The cause, and what took part in it. */
 export function causeOf(model: Model, row: number): { cause: Cause; what: string } {
   const t = model.trials;
   const outcome = t.outcome(row);

@@ -108,12 +108,10 @@ export function axis(p: Palette, name: string, more: Option = {}, write: (v: num
 /** A plot narrower than this shortens names and numbers [px]. */
 export const kNarrow = 560;
 
-/** How many marks an axis has in a plot so wide. */
 export function marksIn(width: number): number {
   return width < 300 ? 3 : width < kNarrow ? 4 : 7;
 }
 
-/** An axis of shares from 0 to 100 %. */
 export function shareAxis(p: Palette, interval: number, more: Option = {}): Option {
   return axis(p, '', { min: 0, max: 1, interval, ...more }, (v) => `${plain(100 * v)} %`);
 }
@@ -196,7 +194,6 @@ export function whiskers(data: readonly (readonly number[])[], colour: string | 
   };
 }
 
-/** A bar for each row, of several parts. */
 export function stackedBars(p: Palette, width: number, rows: readonly AxisRow[], parts: readonly { name: string; colour: string; data: Option[]; label?: Option }[], xAxis: Option, tooltip: Option): { height: number; option: Option } {
   const names = parts.map(({ name }) => name);
   const top = legendHeight(names, width);
@@ -353,7 +350,6 @@ interface Plots {
   height?: number;
 }
 
-/** All groups in one plot, or each in its own. */
 export function plots(p: Palette, width: number, { groups, most, x, y, series, behind = [], tooltip, end, height = 380 }: Plots): { height: number; option: Option } {
   if (groups.length > most) {
     return smallMultiples(width, groups.map((g) => ({ title: g.short, colour: seriesInk(p, g.mark) })), x(3), y, (place) => series(place, true), tooltip);

@@ -41,7 +41,6 @@ export function readable(colour: string, ink: string, background: string): strin
   return ink;
 }
 
-/** The colour at `t`, 0 to 1, along `ramp`. */
 export function along(ramp: readonly string[], t: number): string {
   const place = Math.min(1, Math.max(0, t)) * (ramp.length - 1);
   const below = Math.min(ramp.length - 2, Math.floor(place));

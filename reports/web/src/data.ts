@@ -92,7 +92,6 @@ export interface ReplayData {
 /** Answer of `moma view`: the motion with its robot. Samples can be simulated anew. */
 interface ServedReplay extends ReplayData { resolved: unknown; simulated?: boolean }
 
-/** A motion to play. */
 export interface Motion { replay: ReplayData; robot: unknown; simulated: boolean }
 
 export interface TuneSearch {
@@ -167,7 +166,6 @@ export class Trials {
     return name in this.source.columns;
   }
 
-  /** One value; NaN where the store has none. */
   number(name: string, row: number): number {
     return this.values(name)[row] ?? NaN;
   }
@@ -241,7 +239,6 @@ export class Model {
     return this.rowOf.get(trial);
   }
 
-  /** True if motion() can have the trial. */
   playable(trial: string): boolean {
     return this.page.live?.simulates === true ? this.rowOf.has(trial) : this.replays.has(trial);
   }
@@ -255,7 +252,6 @@ export class Model {
       + (this.page.live === undefined ? `moma view ${this.page.store.file} plays any.` : 'of another it shows the command.');
   }
 
-  /** A motion that the page itself holds. */
   embedded(trial: string): Motion | undefined {
     const replay = this.replays.get(trial);
     return replay === undefined || !('data' in replay) ? undefined : { replay, robot: this.page.robots[replay.robot], simulated: false };
@@ -276,13 +272,11 @@ export class Model {
     return asked;
   }
 
-  /** The point that a trial belongs to. */
   point(row: number): PointInfo | undefined {
     const t = this.trials;
     return this.page.points.find((p) => p.controller === t.text('controller', row) && p.point === t.text('point', row) && p.suite === t.text('suite', row) && p.mode === t.text('mode', row));
   }
 
-  /** File that holds a trial. */
   file(row: number): string {
     const label = this.trials.text('store', row);
     return this.page.stores?.find((s) => s.label === label)?.file ?? this.page.store.file;

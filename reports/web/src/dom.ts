@@ -41,7 +41,6 @@ export function dotted(colour: string, name: string): HTMLElement {
   return h('span', { class: 'dotted', style: `--c:${colour}` }, name);
 }
 
-/** A labelled <select>; `change` gets the chosen value. */
 export function choice(
   label: string,
   options: readonly (readonly [value: string, text: string])[],
@@ -87,7 +86,6 @@ export function roving(box: HTMLElement, selector: string): HTMLElement {
   return box;
 }
 
-/** Gives the user a file, from memory. */
 export function download(name: string, blob: Blob): void {
   const url = URL.createObjectURL(blob);
   const link = h('a', { href: url, download: name });

@@ -5,7 +5,7 @@ import * as echarts from 'echarts/core';
 import { base, textOf, type FigureSpec, type Option } from './chart';
 import { button, choice, download, h, replace } from './dom';
 import { fillLater, footer, saveCsv } from './panel';
-import { onPaper, paperFigure, paperPlace, svgOf } from './paper';
+import { onPaper, paperFigure, svgOf } from './paper';
 import * as state from './state';
 import { palette } from './theme';
 import { naming } from './view';
@@ -21,10 +21,9 @@ export function figure(spec: FigureSpec): HTMLElement {
   });
   const csvButton = saveCsv(spec.id, () => spec.draw(palette(), 760));
   const controls = h('div', { class: 'controls' });
-  const paper = paperPlace();
   const element = h('figure', { class: 'figure', id: `figure-${spec.id}` },
     h('figcaption', null, h('div', null, title, caption), controls),
-    plot, paper, footer(note, svgButton, csvButton));
+    plot, onPaper(() => paperFigure(spec)), footer(note, svgButton, csvButton));
   let chart: echarts.ECharts | null = null;
   let width = 0;   // of the plot when it was drawn
 
@@ -76,6 +75,5 @@ export function figure(spec: FigureSpec): HTMLElement {
   };
   fillLater(element, follow, ...(spec.linked === true ? ['trial'] : []));
   new ResizeObserver(() => { if (width > 0 && plot.clientWidth !== width) follow(); }).observe(plot);
-  onPaper(paper, () => paperFigure(spec));
   return element;
 }

@@ -7,7 +7,6 @@ import { view, type View } from './view';
 
 const kSearched = ['trial', 'controller', 'point', 'family', 'outcome', 'link', 'object', 'reason', 'store'];
 
-/** Search texts by row, for the loaded data. */
 const joined = new WeakMap<PageData['trials'], string[]>();
 
 /** Search text of each row, in lower case; its world is "world:12". */
@@ -41,7 +40,6 @@ function inOrder(model: Model, isText: (key: string) => boolean, last: (row: num
   return sorted.rows;
 }
 
-/** Rows that pass the filters, in the order asked for. */
 export function filtered(model: Model, isText: (key: string) => boolean, last: (row: number) => string): number[] {
   const { trials: t } = model;
   const outcome = state.get('outcome');

@@ -79,11 +79,6 @@ export function plural(count: number, one: string, many = one + 's'): string {
   return `${integer(count)}\u00a0${count === 1 ? one : many}`;
 }
 
-/** "once", "twice", "7 times". */
-export function times(count: number): string {
-  return count === 1 ? 'once' : count === 2 ? 'twice' : count === 0 ? 'never' : `${integer(count)}\u00a0times`;
-}
-
 /** "time to goal" -> "Time to goal". */
 export function upper(text: string): string {
   return text.charAt(0).toUpperCase() + text.slice(1);
@@ -98,10 +93,6 @@ export function list(words: readonly string[]): string {
 export function sizes(counts: readonly number[]): string {
   const [low, high] = [Math.min(...counts), Math.max(...counts)];
   return low === high ? integer(low) : `${integer(low)} to ${integer(high)}`;
-}
-
-export function seconds(value: number | null | undefined): string {
-  return value === null || value === undefined || !Number.isFinite(value) ? kNone : `${fixed(value, value < 10 ? 2 : 1)}\u00a0s`;
 }
 
 export interface Table { columns: readonly string[]; rows: readonly (readonly (string | number | null)[])[] }

@@ -3,7 +3,7 @@
 import * as echarts from 'echarts/core';
 
 import { base, kFont, textOf, type FigureSpec } from './chart';
-import { append, h, replace } from './dom';
+import { h, replace } from './dom';
 import { drawAll } from './draw_order';
 import { palette, usePaper } from './theme';
 
@@ -69,15 +69,15 @@ export function svgOf(spec: FigureSpec, bare = false): string | null {
   });
 }
 
-/** Elements that the page shows in print alone. */
 const stills: { place: HTMLElement; make: () => Node | null }[] = [];
 
-/** `make` is called for each print and gives what is printed in `place`. */
-export function onPaper(place: HTMLElement, make: () => Node | null): void {
+/** A place that shows in print what `make` gives, which is called for each print. */
+export function onPaper(make: () => Node | null): HTMLElement {
+  const place = h('div', { class: 'on-paper', 'aria-hidden': 'true' });
   stills.push({ place, make });
+  return place;
 }
 
-/** The figure's SVG as an element of this page. */
 export function paperFigure(spec: FigureSpec): Node | null {
   const svg = svgOf(spec, true);
   if (svg === null) return null;
@@ -92,18 +92,10 @@ export function startPaper(): void {
   addEventListener('beforeprint', () => {
     usePaper(true);
     drawAll();
-    for (const { place, make } of stills) {
-      replace(place);
-      append(place, make());
-    }
+    for (const { place, make } of stills) replace(place, make());
   });
   addEventListener('afterprint', () => {
     for (const { place } of stills) replace(place);
     usePaper(false);
   });
-}
-
-/** An empty place for onPaper(). */
-export function paperPlace(): HTMLElement {
-  return h('div', { class: 'on-paper', 'aria-hidden': 'true' });
 }

@@ -10,7 +10,6 @@ function parse(): Map<string, string> {
   return new Map(new URLSearchParams(location.hash.replace(/^#/, '')));
 }
 
-/** The value of a key, or its default. */
 export function get(key: string): string {
   return values.get(key) ?? defaults[key] ?? '';
 }

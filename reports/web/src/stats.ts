@@ -166,7 +166,6 @@ function high(a: number, b: number): number {
   return Math.floor(((a >>> 16) * b + Math.floor(((a & 0xffff) * b) / 65536)) / 65536);   // 48 bits: exact
 }
 
-/** Rounds of the bootstrap. */
 const kRounds = 9999;
 
 /** Draws for four differences in each round: the same whatever the differences are, so that each block is drawn once. */

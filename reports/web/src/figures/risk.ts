@@ -74,7 +74,6 @@ function exceedances(of: readonly Estimate[], id: string): FigureSpec {
   };
 }
 
-/** The estimates of one event in one suite each. */
 function groups(model: Model): Estimate[][] {
   return [...grouped(estimates(model), (r) => `${r.suite}\n${r.event}`).values()];
 }

@@ -7,7 +7,7 @@ import { kMetrics, withUnit } from '../metrics';
 import * as state from '../state';
 import { resultOf, view } from '../view';
 
-export interface Point { name: string; controller: string; point: string; values: Map<string, number>; row: SummaryRow }
+export interface Point { name: string; values: Map<string, number>; row: SummaryRow }
 
 export interface Measure {
   /** Column of the table of results. */
@@ -15,16 +15,14 @@ export interface Measure {
   name: string;
   write: (v: number) => string;
   lowIsGood: boolean;
-  /** The measure of one trial: a metric, or 1 for an outcome. */
-  trial: { metric: string } | { outcome: string };
 }
 
 /** Measures of a point in the table of results: rates, and the shown metrics. */
 export function measures(): Measure[] {
   return [
-    { key: 'success_rate', name: 'success rate', write: percent, lowIsGood: false, trial: { outcome: 'success' } },
-    { key: 'collision_rate', name: 'collision rate', write: percent, lowIsGood: true, trial: { outcome: 'collision' } },
-    ...kMetrics.flatMap((m) => (m.summary === undefined ? [] : [{ key: m.summary.column, name: m.summary.name, write: (v: number) => withUnit(m, v), lowIsGood: m.better === 'low', trial: { metric: m.key } }])),
+    { key: 'success_rate', name: 'success rate', write: percent, lowIsGood: false },
+    { key: 'collision_rate', name: 'collision rate', write: percent, lowIsGood: true },
+    ...kMetrics.flatMap((m) => (m.summary === undefined ? [] : [{ key: m.summary.column, name: m.summary.name, write: (v: number) => withUnit(m, v), lowIsGood: m.better === 'low' }])),
   ];
 }
 
@@ -41,17 +39,15 @@ export function points(): Point[] {
   return model.pointsOf(slice).flatMap((p) => {
     const values = new Map(Object.entries(p.params).filter((e): e is [string, number] => typeof e[1] === 'number'));
     const row = resultOf(p);
-    return values.size === 0 || row === undefined ? [] : [{ name: p.point || p.controller, controller: p.controller, point: p.point, values, row }];
+    return values.size === 0 || row === undefined ? [] : [{ name: p.point || p.controller, values, row }];
   });
 }
 
-/** Points that have the measure. */
 export function measured(): Point[] {
   const of = measure();
   return points().filter((point) => Number.isFinite(valueOf(point.row, of)));
 }
 
-/** Gains with more than one value. */
 export function gains(all: readonly Point[]): string[] {
   const keys = [...new Set(all.flatMap((p) => [...p.values.keys()]))];
   return keys.filter((key) => new Set(all.map((p) => p.values.get(key))).size > 1);
@@ -72,7 +68,6 @@ export function isBetter(a: number, b: number, of: Measure): boolean {
   return of.lowIsGood ? a < b : a > b;
 }
 
-/** Lines of a point's tooltip. */
 export function told({ row }: Point, of: Measure): [string, string][] {
   return [[of.name, of.write(valueOf(row, of))], ['success', `${percent(row.success_rate)} (${percentRange(row.success_low, row.success_high)})`], ['n', String(row.n)]];
 }

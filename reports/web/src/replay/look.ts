@@ -65,7 +65,6 @@ export function solid(shape: ShapeJson): BufferGeometry {
   }
 }
 
-/** Width of the wheels that are drawn [m]. */
 const kWheel = 0.05;
 
 /** Wheels of a base that has no visuals, each on its axle along y and on the floor. */

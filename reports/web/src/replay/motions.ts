@@ -51,7 +51,6 @@ export class MotionList {
   }
 }
 
-/** Most motions that the list offers. */
 const kMost = 40;
 
 export class SecondMotion {
@@ -79,7 +78,6 @@ export class SecondMotion {
     return all.includes(chosen) ? chosen : '';
   }
 
-  /** Offers what can play beside `current`. */
   fill(current: string): void {
     const t = this.model.trials;
     const all = this.rivals(current);

@@ -10,7 +10,6 @@ const kPolicy = 1;
 const kPath = 3;
 const kChoices = ['', 'the policy', 'a detour', 'a path'];  // a detour: in stores of simulation version 12 and before
 
-/** True if the motion has a plan. */
 export function looksAhead(trace: Trace): boolean {
   return trace.has('plan_mode');
 }

@@ -6,7 +6,7 @@ import { button, dotted, h, replace } from '../dom';
 import { fixed, integer, plural } from '../format';
 import { goToSection } from '../go_to';
 import { drawLater, isNear, whenSeen } from '../draw_order';
-import { onPaper, paperPlace } from '../paper';
+import { onPaper } from '../paper';
 import { onSelect } from '../select';
 import { command } from '../sections/trials';
 import * as state from '../state';
@@ -85,7 +85,6 @@ export function player(model: Model): HTMLElement {
   const switches = h('div', { class: 'transport more', hidden: true }, ...layers.map(({ label }) => label));
   const legend = h('p', { class: 'replay-legend' });
   const stage = h('div', { class: 'stage-box' }, canvas, rowWords.labels, caption);
-  const paper = paperPlace();
   rowWords.keepClear(stage, caption, () => { if (current !== '') draw(); });
 
   const show = (): void => {
@@ -317,7 +316,7 @@ export function player(model: Model): HTMLElement {
   state.listen(['theme'], () => { scene?.build(); motions.fill(current); tellLegend(); show(); });
   const element = h('div', { class: 'replay' },
     h('div', { class: 'replay-main' },
-      stage, paper,
+      stage, onPaper(still),
       h('div', { class: 'transport' }, play, scrub, clock, speed, h('label', null, follow, ' follow'), shapesBox, home),
       h('div', { class: 'transport more' }, beside.element, closest, stopped, pictureButton(shown), filmButton(shown)),
       switches, legend,
@@ -333,7 +332,6 @@ export function player(model: Model): HTMLElement {
     event.preventDefault();
   });
   motions.fill(current);
-  onPaper(paper, still);
   state.listen(kView, () => motions.fill(current));
   // A motion of the page itself is shown like a figure; one of the server, which may have to simulate it, when it is looked at.
   (model.page.live === undefined ? drawLater : whenSeen)(element, () => {

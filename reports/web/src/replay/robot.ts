@@ -186,14 +186,9 @@ export class Robot {
     return '@base';
   }
 
-  /** True if the arm moves a link against the base. */
-  moves(link: string): boolean {
-    return this.rigid(link) !== '@base';
-  }
-
-  /** True if a link is part of the hand: rigid with the tip, and moved by the arm. */
+  /** Rigid with the tip, and moved by the arm. */
   inHand(link: string): boolean {
-    return this.moves(link) && this.rigid(link) === this.rigid(this.tip);
+    return this.rigid(link) !== '@base' && this.rigid(link) === this.rigid(this.tip);
   }
 
   has(link: string): boolean {

@@ -63,7 +63,6 @@ const millimetres = (row: Row): string => `${fixed(1000 * row.d, 0)} mm`;
 
 const named = (row: Row): string => `${row.link} to ${row.other} ${millimetres(row)}`;
 
-/** Rows of distances, the nearest first. */
 function nearest(rows: readonly Row[]): Row[] {
   return [...rows].sort((a, b) => a.d - b.d);
 }

@@ -115,16 +115,13 @@ export class ReplayScene {
   private arrows = new Group();
   private plan = new Group();
   private layers: Record<Layer, Group> = { occupied: new Group(), unseen: new Group(), fields: new Group() };
-  /** Layers that are left out. */
   private readonly off = new Set<Layer>();
   private fields: { mark: Group; sensor: SensorJson }[] = [];
   /** The picture of the map that is in the scene; -1 if none is. */
   private picture = -1;
-  /** How many boxes it has. */
   readonly boxes: Record<Cells, number> = { occupied: 0, unseen: 0 };
   /** Line of the base's path or detour at the shown time; empty without one. */
   planned: [number, number][] = [];
-  /** The collision rows at the time shown. */
   rows: Row[] = [];
   private goals: { mark: Group; start: Placed; motion: MotionJson | undefined }[] = [];
   /** The goal that the hand is on its way to. */
@@ -177,7 +174,6 @@ export class ReplayScene {
     this.layers[layer].visible = on;
   }
 
-  /** Triangles of the robot as it is shown. */
   triangles(): number {
     return (this.actors.at(-1)?.links ?? []).reduce((sum, { mesh }) => sum + (mesh.geometry.index?.count ?? mesh.geometry.getAttribute('position').count) / 3, 0);
   }
@@ -267,7 +263,6 @@ export class ReplayScene {
     this.actors.push({ ...moved, links, past: travelled });
   }
 
-  /** Moves everything to time t. */
   set(t: number): void {
     if (this.shown === null) return;
     const { robot, trace, reached } = this.shown;

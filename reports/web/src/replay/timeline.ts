@@ -21,7 +21,6 @@ const kRow = 40;
 const kStrip = 22;
 const kLeft = 150;
 
-/** Says in words how the solver ended at time t. */
 export function statusAt(trace: Trace, t: number): string {
   const [i] = trace.locate(t);
   const word = (column: string): string => (kWords[column]?.[trace.column(column)[i] ?? 0] ?? 'unknown').replaceAll('_', ' ');
@@ -71,7 +70,6 @@ export class Timeline {
     this.ghost = ghost;
   }
 
-  /** Duration of the longer motion [s]. */
   get end(): number {
     return Math.max(this.trace?.end ?? 0, this.ghost?.end ?? 0);
   }

@@ -28,7 +28,6 @@ function worst(model: Model, cluster: Cluster): number[] {
   return [...cluster.rows].sort((a, b) => value(b) - value(a));
 }
 
-/** Failures of each controller by cause. */
 function byCause(all: readonly Cluster[]): HTMLElement {
   const { series } = view();
   const p = palette();

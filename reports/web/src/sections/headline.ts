@@ -6,7 +6,7 @@ import { pairs, type Pairs } from '../compare';
 import { conditions, onlyConditions } from '../conditions';
 import { grouped, type Model, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
-import { fixed, integer, percent, percentRange, plural, probability, signed, times } from '../format';
+import { fixed, integer, percent, percentRange, plural, probability, signed } from '../format';
 import { afterFrame } from '../draw_order';
 import { holm, pairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
@@ -26,7 +26,6 @@ export function judged(model: Model): Judged[] {
   return all.sort((a, b) => rateOf(b) - rateOf(a)).slice(0, 3);
 }
 
-/** The baseline and the best of the others that are judged. */
 function rivals(shown: readonly Judged[]): [Series, Series] | null {
   const base = baseline();
   const allowed = base === undefined ? [] : rivalsOf(base, shown.map((j) => j.series));
@@ -59,7 +58,6 @@ function differenceText(d: Difference): Node[] {
   return [h('b', null, `${points(100 * r.value)} points`), h('span', null, `${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}, ${d.onlyA + d.onlyB === 0 ? 'no world differs' : probability(d.p)}`)];
 }
 
-/** Dots with whiskers on the axis from 0 to 100 %. */
 function track(rows: readonly { series: Series; row: SummaryRow }[]): HTMLElement {
   const at = (v: number): string => `${(100 * v).toFixed(3)}%`;
   return h('div', { class: 'track' }, ...rows.map(({ series, row }, i) => h('div', {
@@ -90,7 +88,7 @@ function forest(shown: readonly Judged[], pair: readonly [Series, Series] | null
 
 /** "succeeded twice", "never failed". */
 function often(verb: string, count: number): string {
-  return count === 0 ? `never ${verb}` : `${verb} ${times(count)}`;
+  return count === 0 ? `never ${verb}` : `${verb} ${['', 'once', 'twice'][count] ?? `${integer(count)}\u00a0times`}`;
 }
 
 function sentence(a: Series, b: Series, d: Difference): string {

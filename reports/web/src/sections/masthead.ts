@@ -3,7 +3,7 @@
 import { disturbances } from '../conditions';
 import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
 import { h, replace, terms } from '../dom';
-import { integer, list, percent, percentNumber, percentRange, plural, seconds } from '../format';
+import { fixed, integer, list, percent, percentNumber, percentRange, plural } from '../format';
 import { verdictOf } from '../search_words';
 import { keepFilled } from '../panel';
 import { palette, seriesColour } from '../theme';
@@ -30,7 +30,6 @@ function seeds(points: readonly PointInfo[]): string {
   return list(unique(points.map((p) => String(p.worlds?.seed ?? '')).filter((s) => s !== '')));
 }
 
-/** All of a few names, the first of many. */
 function names(all: readonly string[]): string {
   return all.length <= kNames ? all.join(', ') : `${all.slice(0, kNames - 3).join(', ')} and ${integer(all.length - kNames + 3)} others`;
 }
@@ -64,7 +63,8 @@ function sentence(name: string, row: SummaryRow): string {
   const reached = Math.round(row.success_rate * row.n);
   const hits = Math.round(row.collision_rate * row.n);
   const collided = hits === 0 ? 'None collided' : `${integer(hits)}\u00a0collided`;
-  const time = row.time_to_goal_median_s === null ? '' : ` Median time to goal ${seconds(row.time_to_goal_median_s)}.`;
+  const median = row.time_to_goal_median_s;
+  const time = median === null ? '' : ` Median time to goal ${fixed(median, median < 10 ? 2 : 1)}\u00a0s.`;
   return `${name} reached the goal in ${integer(reached)} of ${plural(row.n, 'trial')} (95 % interval ${percentRange(row.success_low, row.success_high)}). `
     + `${collided} (${percent(row.collision_rate)}, ${percentRange(row.collision_low, row.collision_high)}).${time}`
     + (row.errors === 0 ? '' : ` ${plural(row.errors, 'trial')} ended by an error, which is no success${row.success_without_errors === null ? '' : `; of the others ${percent(row.success_without_errors)} succeeded`}.`);

@@ -14,12 +14,16 @@ import { kView, view } from '../view';
 
 const kRowHeight = 34;
 const kBeyond = 6;   // rows drawn above and below those in sight
-const kText: Record<string, string> = { trial: 'Trial', controller: 'Controller', point: 'Point', family: 'Family', outcome: 'Outcome', contact: 'Contact or reason' };
-const kWidths: Record<string, number> = { trial: 158, controller: 118, point: 190, family: 88, world: 68, outcome: 112, contact: 230 };
+/** Columns other than metrics; their least width [px]. */
+const kColumns: Record<string, { head: string; width: number }> = {
+  trial: { head: 'Trial', width: 158 }, controller: { head: 'Controller', width: 118 }, point: { head: 'Point', width: 190 }, family: { head: 'Family', width: 88 },
+  world: { head: 'World', width: 68 }, outcome: { head: 'Outcome', width: 112 }, contact: { head: 'Contact or reason', width: 230 },
+};
+const isText = (key: string): boolean => key in kColumns && key !== 'world';
 
-function heading(key: string): string {
+function columnOf(key: string): { head: string; width: number } {
   const { head = '', unit } = metric(key);
-  return kText[key] ?? (key === 'world' ? 'World' : unit === '' ? head : `${head} [${unit}]`);
+  return kColumns[key] ?? { head: unit === '' ? head : `${head} [${unit}]`, width: 96 };
 }
 
 export function command(model: Model, trial: string): string {
@@ -64,7 +68,7 @@ export function trials(model: Model): HTMLElement {
       const name = t.text('trial', row);
       return h('span', { role: 'cell', class: 'mono' }, name, !model.playable(name) || model.page.live !== undefined ? null : h('i', { title: 'Can be played in this page' }, ' \u25b8'));
     }
-    if (key in kText) return h('span', { role: 'cell' }, t.text(key, row));
+    if (isText(key)) return h('span', { role: 'cell' }, t.text(key, row));
     const value = t.number(key, row);
     return h('span', { role: 'cell', class: 'num' }, Number.isNaN(value) ? '\u2013' : key === 'world' ? integer(value) : metric(key).write(value));
   };
@@ -106,15 +110,15 @@ export function trials(model: Model): HTMLElement {
     replace(head, ...shownColumns.map((key) => {
       const active = key === sorted;
       return h('button', {
-        type: 'button', class: key in kText ? null : 'num', role: 'columnheader',
+        type: 'button', class: isText(key) ? null : 'num', role: 'columnheader',
         'aria-sort': active ? (direction === 'down' ? 'descending' : 'ascending') : 'none',
         click: () => state.set({ sort: `${key}:${active && direction !== 'down' ? 'down' : 'up'}` }),
-      }, heading(key), active ? (direction === 'down' ? ' \u2193' : ' \u2191') : '');
+      }, columnOf(key).head, active ? (direction === 'down' ? ' \u2193' : ' \u2191') : '');
     }));
   };
 
   const refresh = (): void => {
-    rows = filtered(model, (key) => key in kText, (row) => contact(model, row));
+    rows = filtered(model, isText, (row) => contact(model, row));
     rowsBox.style.height = `${rows.length * kRowHeight}px`;
     draw();
     count.textContent = rows.length === all ? `${plural(all, 'trial')}.` : `${integer(rows.length)} of ${plural(all, 'trial')}.`;
@@ -124,8 +128,8 @@ export function trials(model: Model): HTMLElement {
   const settle = (): void => {
     shownColumns = columns(model);
     all = view().series.reduce((sum, s) => sum + s.rows.length, 0);
-    scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${kWidths[key] ?? 96}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
-    scroller.style.setProperty('--total', `${shownColumns.reduce((sum, key) => sum + (kWidths[key] ?? 96) + 14, 16)}px`);
+    scroller.style.setProperty('--columns', shownColumns.map((key) => `minmax(${columnOf(key).width}px, ${key === 'contact' ? '2fr' : '1fr'})`).join(' '));
+    scroller.style.setProperty('--total', `${shownColumns.reduce((sum, key) => sum + columnOf(key).width + 14, 16)}px`);
     drawHead();
     forget();
     refresh();
