@@ -44,8 +44,8 @@ export interface FigureSpec {
   empty: string;
   /** Marks the trial that is chosen. */
   linked?: boolean;
-  /** A mark was clicked; `data` is its datum. */
-  click?: (data: unknown) => void;
+  /** A mark was clicked; `of` is the thing that it shows. */
+  click?(of: unknown): void;
 }
 
 export function textOf(words: string | (() => string)): string {
@@ -303,7 +303,7 @@ const kLayout = { left: 58, narrowest: 200, most: 4, high: 118 };
  * A plot for each part under its title, all with the same y axis and, unless `xAxis` gives each its own, the same x axis;
  * `series` gives what each shows.
  */
-export function smallMultiples(width: number, parts: readonly { title: string; colour: string }[], xAxis: Option | ((place: number) => Option), yAxis: Option, series: (place: number) => Option[], tooltip: Option = { show: false }, { left, narrowest, most, high } = kLayout): { height: number; option: Option } {
+export function smallMultiples(width: number, parts: readonly { title: string; colour: string }[], xAxis: Option | ((place: number) => Option), yAxis: Option, series: (place: number) => Option[], tooltip: Option, { left, narrowest, most, high } = kLayout): { height: number; option: Option } {
   const columns = Math.max(1, Math.min(most, parts.length, Math.floor((width - left) / narrowest)));
   const rows = Math.ceil(parts.length / columns);
   const [above, gap, between] = [30, 28, 22];

@@ -3,11 +3,7 @@
 export type Child = Node | string | number | null | undefined | false;
 type Value = string | number | boolean | null | undefined | EventListener;
 
-export function h<K extends keyof HTMLElementTagNameMap>(
-  tag: K,
-  attributes?: Record<string, Value> | null,
-  ...children: Child[]
-): HTMLElementTagNameMap[K] {
+export function h<K extends keyof HTMLElementTagNameMap>(tag: K, attributes?: Record<string, Value> | null, ...children: Child[]): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes ?? {})) {
     if (value === null || value === undefined || value === false) continue;
@@ -41,14 +37,8 @@ export function dotted(colour: string, name: string): HTMLElement {
   return h('span', { class: 'dotted', style: `--c:${colour}` }, name);
 }
 
-export function choice(
-  label: string,
-  options: readonly (readonly [value: string, text: string])[],
-  value: string,
-  change: (value: string) => void,
-): HTMLLabelElement {
-  const select = h('select', { change: (event) => change((event.target as HTMLSelectElement).value) });
-  for (const [key, text] of options) select.appendChild(h('option', { value: key, selected: key === value }, text));
+export function choice(label: string, options: readonly (readonly [value: string, text: string])[], value: string, change: (value: string) => void): HTMLLabelElement {
+  const select = h('select', { change: () => change(select.value) }, ...options.map(([key, text]) => h('option', { value: key, selected: key === value }, text)));
   return h('label', { class: 'choice' }, h('span', null, label), select);
 }
 

@@ -48,7 +48,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     if (chart === null) {
       replace(plot);
       chart = echarts.init(plot, null, { renderer: 'canvas', width, height });
-      chart.on('click', (event) => spec.click?.(event.data));
+      chart.on('click', ({ data }) => { const { of } = data as { of?: unknown }; if (of !== undefined) spec.click?.(of); });
     } else if (chart.getWidth() !== width || chart.getHeight() !== height) {
       chart.getZr().resize({ width, height });   // the chart's own resize() would draw what is about to be replaced
     }

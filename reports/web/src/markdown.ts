@@ -1,7 +1,7 @@
 // A person's notes in Markdown as elements. Nothing becomes markup by itself: of HTML the text is shown, links lead to
 // web pages only, pictures are named and not fetched.
 
-import { lexer, type Token, type Tokens } from 'marked';
+import { lexer, type MarkedToken, type Token, type Tokens } from 'marked';
 
 import { h } from './dom';
 
@@ -10,19 +10,16 @@ function text(raw: string): string {
 }
 
 function inline(tokens: readonly Token[] | undefined): Node[] {
-  return (tokens ?? []).map((token): Node => {
+  return ((tokens ?? []) as MarkedToken[]).map((token): Node => {
     switch (token.type) {
-      case 'strong': return h('strong', null, ...inline((token as Tokens.Strong).tokens));
-      case 'em': return h('em', null, ...inline((token as Tokens.Em).tokens));
-      case 'del': return h('s', null, ...inline((token as Tokens.Del).tokens));
-      case 'codespan': return h('code', null, text((token as Tokens.Codespan).text));
+      case 'strong': return h('strong', null, ...inline(token.tokens));
+      case 'em': return h('em', null, ...inline(token.tokens));
+      case 'del': return h('s', null, ...inline(token.tokens));
+      case 'codespan': return h('code', null, text(token.text));
       case 'br': return h('br');
-      case 'link': {
-        const { href, tokens: inner } = token as Tokens.Link;
-        return /^https?:\/\//i.test(href) ? h('a', { href, rel: 'noopener noreferrer', target: '_blank' }, ...inline(inner)) : h('span', null, ...inline(inner));
-      }
-      case 'image': return document.createTextNode((token as Tokens.Image).text);
-      case 'text': case 'escape': return 'tokens' in token && token.tokens !== undefined ? h('span', null, ...inline(token.tokens)) : document.createTextNode(text((token as Tokens.Text).text));
+      case 'link': return /^https?:\/\//i.test(token.href) ? h('a', { href: token.href, rel: 'noopener noreferrer', target: '_blank' }, ...inline(token.tokens)) : h('span', null, ...inline(token.tokens));
+      case 'image': return document.createTextNode(token.text);
+      case 'text': case 'escape': return 'tokens' in token && token.tokens !== undefined ? h('span', null, ...inline(token.tokens)) : document.createTextNode(text(token.text));
       default: return document.createTextNode(token.raw);
     }
   });
@@ -34,21 +31,18 @@ function list(token: Tokens.List): HTMLElement {
 }
 
 function blocks(tokens: readonly Token[]): Node[] {
-  return tokens.flatMap((token): Node[] => {
+  return (tokens as MarkedToken[]).flatMap((token): Node[] => {
     switch (token.type) {
       case 'space': case 'def': return [];
-      case 'heading': return [h('h4', null, ...inline((token as Tokens.Heading).tokens))];
-      case 'paragraph': return [h('p', null, ...inline((token as Tokens.Paragraph).tokens))];
+      case 'heading': return [h('h4', null, ...inline(token.tokens))];
+      case 'paragraph': return [h('p', null, ...inline(token.tokens))];
       case 'text': return inline([token]);
-      case 'code': return [h('pre', null, h('code', null, (token as Tokens.Code).text))];
-      case 'blockquote': return [h('blockquote', null, ...blocks((token as Tokens.Blockquote).tokens))];
+      case 'code': return [h('pre', null, h('code', null, token.text))];
+      case 'blockquote': return [h('blockquote', null, ...blocks(token.tokens))];
       case 'hr': return [h('hr')];
-      case 'list': return [list(token as Tokens.List)];
-      case 'table': {
-        const { header, rows } = token as Tokens.Table;
-        return [h('table', { class: 'plain' }, h('thead', null, h('tr', null, ...header.map((cell) => h('th', { scope: 'col' }, ...inline(cell.tokens))))),
-          h('tbody', null, ...rows.map((row) => h('tr', null, ...row.map((cell) => h('td', null, ...inline(cell.tokens)))))))];
-      }
+      case 'list': return [list(token)];
+      case 'table': return [h('table', { class: 'plain' }, h('thead', null, h('tr', null, ...token.header.map((cell) => h('th', { scope: 'col' }, ...inline(cell.tokens))))),
+        h('tbody', null, ...token.rows.map((row) => h('tr', null, ...row.map((cell) => h('td', null, ...inline(cell.tokens)))))))];
       default: return [h('p', null, token.raw)];
     }
   });

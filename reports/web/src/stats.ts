@@ -3,10 +3,7 @@
 /** Two-sided 95 % point of the normal distribution, as in the store's views. */
 const kZ = 1.959963984540054;
 
-export interface Interval {
-  low: number;
-  high: number;
-}
+export interface Interval { low: number; high: number }
 
 /** Wilson score interval of `hits` of `n` (JASA 22, 1927). NaN without trials. */
 export function wilson(hits: number, n: number): Interval {

@@ -6,11 +6,7 @@ import { tell } from './state';
 
 export interface Palette {
   dark: boolean;
-  ink: string;
-  muted: string;
-  faint: string;
-  rule: string;
-  surface: string;
+  ink: string; muted: string; faint: string; rule: string; surface: string;
   series: readonly string[];
   outcomes: Readonly<Record<Outcome, string>>;
   /** Steps from the least to the greatest value of a map of colours. */

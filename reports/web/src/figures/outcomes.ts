@@ -45,9 +45,7 @@ export function outcomes(): FigureSpec {
         ], outcomeColour(p, outcome)))),
       };
     },
-    click: (data) => {
-      const of = (data as { of?: Piece } | undefined)?.of;
-      if (of === undefined) return;
+    click: (of: Piece) => {
       state.set({ outcome: of.outcome, who: of.bar.series.controller, q: [of.bar.family, of.bar.series.point].filter((text) => /^\S+$/.test(text)).join(' '), in: 'trials' }, true);
       goToSection('trials');
     },

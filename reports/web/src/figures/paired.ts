@@ -96,9 +96,7 @@ export function paired(): FigureSpec {
         },
       };
     },
-    click: (data) => {
-      const w = (data as { of?: PairedWorld } | undefined)?.of;
-      if (w === undefined) return;
+    click: (w: PairedWorld) => {
       const t = view().model.trials;
       // The failed one of the two is the one to look at.
       const row = t.success(w.a) && !t.success(w.b) ? w.b : w.a;

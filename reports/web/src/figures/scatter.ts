@@ -68,9 +68,6 @@ export function scatter(): FigureSpec {
         }),
       };
     },
-    click: (data) => {
-      const row = (data as { of?: number } | undefined)?.of;
-      if (row !== undefined) select(view().model.trials.text('trial', row), true);
-    },
+    click: (row: number) => select(view().model.trials.text('trial', row), true),
   };
 }

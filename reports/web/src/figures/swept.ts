@@ -12,9 +12,7 @@ export interface Point { name: string; values: Map<string, number>; row: Summary
 export interface Measure {
   /** Column of the table of results. */
   key: string;
-  name: string;
-  write: (v: number) => string;
-  lowIsGood: boolean;
+  name: string; write: (v: number) => string; lowIsGood: boolean;
 }
 
 /** Measures of a point in the table of results: rates, and the shown metrics. */

@@ -159,8 +159,7 @@ export function player(model: Model): HTMLElement {
   const jump = (to: 'least' | 'end'): void => {
     if (trace === null) return;
     const distances = trace.column('least_distance');
-    let best = 0;
-    for (let i = 1; i < trace.n; ++i) if ((distances[i] ?? Infinity) < (distances[best] ?? Infinity)) best = i;
+    const best = distances.reduce((least, distance, i) => (distance < (distances[least] ?? Infinity) ? i : least), 0);
     moveTo(to === 'end' ? trace.end : trace.t[best] ?? 0);
   };
 

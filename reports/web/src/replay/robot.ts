@@ -1,6 +1,6 @@
 // The stored robot: its link tree from the URDF's text, held joints, shapes; and forward kinematics.
 
-import { Matrix4, Quaternion, Vector3 } from 'three';
+import { Euler, Matrix4, Quaternion, Vector3 } from 'three';
 
 interface PoseJson { position?: number[]; rpy?: number[]; rotation?: number[] }
 
@@ -26,14 +26,8 @@ interface RobotJson {
 }
 
 interface Joint {
-  name: string;
-  type: string;
-  parent: string;
-  child: string;
-  origin: Matrix4;
-  axis: Vector3;
-  lower: number | null;
-  upper: number | null;
+  name: string; type: string; parent: string; child: string;
+  origin: Matrix4; axis: Vector3; lower: number | null; upper: number | null;
   mimic: { joint: string; multiplier: number; offset: number } | null;
 }
 
@@ -42,9 +36,7 @@ interface Driven { name: string; lower: number; upper: number }
 /** R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF. */
 function fromRpy(rpy: readonly number[]): Matrix4 {
   const [roll = 0, pitch = 0, yaw = 0] = rpy;
-  const x = new Matrix4().makeRotationX(roll);
-  const y = new Matrix4().makeRotationY(pitch);
-  return new Matrix4().makeRotationZ(yaw).multiply(y).multiply(x);
+  return new Matrix4().makeRotationFromEuler(new Euler(roll, pitch, yaw, 'ZYX'));
 }
 
 export function poseMatrix(pose: PoseJson | undefined): Matrix4 {
