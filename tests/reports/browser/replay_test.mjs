@@ -199,7 +199,7 @@ const replayOnPhone = async (page, scheme) => {
     const written = [];
     const { fillText } = CanvasRenderingContext2D.prototype;
     CanvasRenderingContext2D.prototype.fillText = function note(text, x, y) { written.push({ text, left: x, right: x + this.measureText(text).width, y }); };
-    new window.parts.CaptionedPicture().draw(stage, { dark: false, ink: '#111', muted: '#555' }, '#f00', {
+    window.parts.drawCaptioned(document.createElement('canvas'), stage, { dark: false, ink: '#111', muted: '#555', scene: { hit: '#f00' } }, {
       outcome: 'collision', colour: '#a00', caption: 'holistic disturbances=realistic \u00b7 clutter world 69 \u00b7 panel_link7 against object_of_a_long_name', clock: '0.50 of 0.66 s',
       labels: [{ x: 318, y: 120, text: '203 mm', active: true }, { x: 60, y: 20, text: '5 mm', active: false }, { x: 250, y: 236, text: '61 mm', active: false }],
     });
