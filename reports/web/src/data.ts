@@ -151,6 +151,10 @@ export class Trials {
     return this.source.n;
   }
 
+  rows(): number[] {
+    return Array.from({ length: this.n }, (_, row) => row);
+  }
+
   /** Values by row, NaN where the store has none. A column that no trial has is empty. */
   values(name: string): Float64Array {
     let made = this.numbers.get(name);
@@ -245,11 +249,10 @@ export class Model {
 
   /** A sentence that says how a click on a trial's mark acts, and how many motions the page has. */
   clickPlays(): string {
-    if (this.page.live?.simulates === true) return 'A click plays the trial.';
-    const motions = this.page.replays.length;
-    if (this.page.live === undefined && motions >= this.trials.n) return 'A click plays the trial.';
+    const { live, replays: { length: motions } } = this.page;
+    if (live === undefined ? motions >= this.trials.n : live.simulates) return 'A click plays the trial.';
     return `A click plays the trial where its motion is at hand (${integer(motions)} of ${plural(this.page.trials.stored, 'trial')}); `
-      + (this.page.live === undefined ? `moma view ${this.page.store.file} plays any.` : 'of another it shows the command.');
+      + (live === undefined ? `moma view ${this.page.store.file} plays any.` : 'of another it shows the command.');
   }
 
   embedded(trial: string): Motion | undefined {

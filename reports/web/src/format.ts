@@ -79,6 +79,11 @@ export function plural(count: number, one: string, many = one + 's'): string {
   return `${integer(count)}\u00a0${count === 1 ? one : many}`;
 }
 
+/** What was thrown, in words. */
+export function said(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}
+
 /** "time to goal" -> "Time to goal". */
 export function upper(text: string): string {
   return text.charAt(0).toUpperCase() + text.slice(1);

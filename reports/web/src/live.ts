@@ -2,7 +2,7 @@
 
 import { ask, type Model, type PageData } from './data';
 import { h, replace } from './dom';
-import { integer, plural } from './format';
+import { integer, plural, said } from './format';
 import { isSwept } from './figures/swept';
 import { refreshView } from './view';
 
@@ -74,7 +74,7 @@ export function liveLine(model: Model): HTMLElement | null {
       }
     } catch (error) {
       line.classList.remove('running');
-      replace(line, error instanceof TypeError ? 'moma view has ended: this is what the store held last.' : `The store cannot be read now: ${error instanceof Error ? error.message : String(error)}`);
+      replace(line, error instanceof TypeError ? 'moma view has ended: this is what the store held last.' : `The store cannot be read now: ${said(error)}`);
     }
     setTimeout(() => void look(), pause);
   };

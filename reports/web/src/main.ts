@@ -6,6 +6,7 @@ import './style.css';
 import { drawSoon } from './draw_order';
 import { Model, readPageData, type PageData } from './data';
 import { append, h, replace } from './dom';
+import { said } from './format';
 import { goToSection } from './go_to';
 import { isSwept } from './figures/swept';
 import { liveLine } from './live';
@@ -66,7 +67,7 @@ if (app !== null) {
   state.start();
   replace(app, h('p', { class: 'reading' }, 'Reading the store\u2026'));
   readPageData().then((page) => start(app, page)).catch((error: unknown) => {
-    replace(app, h('p', { class: 'broken' }, `This page cannot be shown: ${error instanceof Error ? error.message : String(error)}`));
+    replace(app, h('p', { class: 'broken' }, `This page cannot be shown: ${said(error)}`));
     throw error;
   });
 }

@@ -22,19 +22,12 @@ function width(text: string, font: string): number {
 
 /** A canvas measures in the page's own font; a saved figure is shown in whatever fonts its reader has. */
 function measured<T>(draw: () => T): T {
-  let own: ((text: string, font?: string) => { width: number }) | undefined;
   const canvas = typeof document === 'undefined' ? null : document.createElement('canvas').getContext('2d');
-  if (canvas !== null) {
-    own = (text, font) => {
-      canvas.font = font ?? '12px sans-serif';
-      return canvas.measureText(text);
-    };
-  }
   echarts.setPlatformAPI({ measureText: (text, font) => ({ width: width(text ?? '', font ?? '') }) as TextMetrics });
   try {
     return draw();
   } finally {
-    if (own !== undefined) echarts.setPlatformAPI({ measureText: own as (text: string, font?: string) => TextMetrics });
+    if (canvas !== null) echarts.setPlatformAPI({ measureText: (text, font) => Object.assign(canvas, { font: font ?? '12px sans-serif' }).measureText(text ?? '') });
   }
 }
 

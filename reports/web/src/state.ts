@@ -23,10 +23,9 @@ export function setDefault(key: string, value: string): void {
  * somewhere, and the browser's Back leads back from there.
  */
 export function set(changes: Record<string, string>, step = false): void {
-  const changed = new Set<string>();
-  for (const [key, value] of Object.entries(changes)) {
-    if (get(key) === value) continue;
-    changed.add(key);
+  const changed = new Set(Object.keys(changes).filter((key) => get(key) !== changes[key]));
+  for (const key of changed) {
+    const value = changes[key] ?? '';
     if (value === (defaults[key] ?? '')) values.delete(key);
     else values.set(key, value);
   }
@@ -53,10 +52,7 @@ export function start(): void {
   values = parse();
   addEventListener('hashchange', () => {
     const next = parse();
-    const changed = new Set<string>();
-    for (const key of new Set([...values.keys(), ...next.keys()])) {
-      if (values.get(key) !== next.get(key)) changed.add(key);
-    }
+    const changed = new Set([...values.keys(), ...next.keys()].filter((key) => values.get(key) !== next.get(key)));
     values = next;
     if (changed.size > 0) tell(changed);
   });

@@ -35,7 +35,6 @@ function pile(xs: readonly number[], size: number): number[] {
   });
 }
 
-/** Returns the metrics among `among` of which a shown trial has a value. */
 function presentMetrics(among: readonly Metric[]): [string, string][] {
   const { model, series } = view();
   return among.filter((m) => series.some((s) => model.trials.any(m.key, s.rows))).map((m) => [m.key, axisName(m)]);

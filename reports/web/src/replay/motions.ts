@@ -12,7 +12,7 @@ export function listed(model: Model): string[] {
   const named = model.page.replays.map((replay) => replay.trial);
   const t = model.trials;
   if (named.length > 0 || model.page.live?.simulates !== true) return named;
-  const rows = Array.from({ length: t.n }, (_, row) => row);
+  const rows = t.rows();
   const failed = rows.filter((row) => !t.success(row));
   return (failed.length > 0 ? failed : rows).slice(0, 24).map((row) => t.text('trial', row));
 }
@@ -65,11 +65,8 @@ export class SecondMotion {
     const row = this.model.row(trial);
     if (row === undefined) return [];
     const same = (name: string, i: number): boolean => t.text(name, i) === t.text(name, row);
-    const found: number[] = [];
-    for (let i = 0; i < t.n; ++i) {
-      if (i !== row && same('world_key', i) && same('suite', i) && same('robot', i) && same('mode', i) && this.model.playable(t.text('trial', i))) found.push(i);
-    }
-    return found.sort((a, b) => Number(t.success(b)) - Number(t.success(a))).slice(0, kMost).map((i) => t.text('trial', i));
+    return t.rows().filter((i) => i !== row && ['world_key', 'suite', 'robot', 'mode'].every((name) => same(name, i)) && this.model.playable(t.text('trial', i)))
+      .sort((a, b) => Number(t.success(b)) - Number(t.success(a))).slice(0, kMost).map((i) => t.text('trial', i));
   }
 
   /** The trial to play beside `current`, as chosen; '' for none. */

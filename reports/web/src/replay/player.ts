@@ -3,7 +3,7 @@
 import { disturbed } from '../conditions';
 import { outcomeName, type Model, type Motion } from '../data';
 import { button, dotted, h, replace } from '../dom';
-import { fixed, integer, plural } from '../format';
+import { fixed, integer, plural, said } from '../format';
 import { goToSection } from '../go_to';
 import { drawLater, isNear, whenSeen } from '../draw_order';
 import { onPaper } from '../paper';
@@ -296,7 +296,6 @@ export function player(model: Model): HTMLElement {
     return pictures;
   };
 
-  const said = (error: unknown): string => (error instanceof Error ? error.message : String(error));
   const safely = (trial: string, thenPlay: boolean): void => {
     load(trial, thenPlay).catch((error: unknown) => {
       if (wanted === trial) replace(caption, `This trial cannot be shown here: ${said(error)}. `, h('code', null, command(model, trial)));

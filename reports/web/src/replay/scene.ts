@@ -2,7 +2,7 @@
 
 import {
   AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap,
-  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, Vector3, WebGLRenderer, type Material, type MeshStandardMaterialParameters,
+  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, Vector3, WebGLRenderer, type Material, type MeshStandardMaterialParameters, type Object3D,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
@@ -271,16 +271,12 @@ export class ReplayScene {
       for (const { mesh, link, local } of actor.links) mesh.matrix.multiplyMatrices(actor.robot.pose(link), local);
       actor.past.geometry.instanceCount = actor.trace.locate(t)[0];   // pieces between samples
     }
-    for (const body of this.bodies) {
-      const now = bodyAt(body, robot, trace, t);
-      body.mesh.position.copy(now.position);
-      body.mesh.quaternion.copy(now.turn);
-    }
-    for (const { mark, start, motion } of this.goals) {
-      const now = placeAt(motion, start, t);
-      mark.position.copy(now.position);
-      mark.quaternion.copy(now.turn);
-    }
+    const put = (what: Object3D, { position, turn }: Placed): void => {
+      what.position.copy(position);
+      what.quaternion.copy(turn);
+    };
+    for (const body of this.bodies) put(body.mesh, bodyAt(body, robot, trace, t));
+    for (const { mark, start, motion } of this.goals) put(mark, placeAt(motion, start, t));
     this.goal = this.goals[Math.min(reached.filter((time) => time < t).length, this.goals.length - 1)]?.mark ?? this.goal;
     const tip = robot.tipPose(new Matrix4());
     tip.decompose(this.tip.position, this.tip.quaternion, this.tip.scale);

@@ -96,40 +96,39 @@ export class Timeline {
     const end = this.end;
     const x = (time: number): number => left + (end > 0 ? time / end : 0) * wide;
     c.textBaseline = 'middle';
+    const write = (text: string, at: number, y: number, colour: string, font = '12px'): void => {
+      Object.assign(c, { font: `${font} ${kFont}`, fillStyle: colour });
+      c.fillText(text, at, y);
+    };
+    /** A line through points, broken where one has no height. */
+    const line = (points: Iterable<readonly [number, number]>, colour: string, lineWidth: number, dash: number[] = []): void => {
+      Object.assign(c, { strokeStyle: colour, lineWidth });
+      c.setLineDash(dash);
+      c.beginPath();
+      let down = false;
+      for (const [at, height_] of points) {
+        const seen = Number.isFinite(height_);
+        if (seen && down) c.lineTo(at, height_);
+        else if (seen) c.moveTo(at, height_);
+        down = seen;
+      }
+      c.stroke();
+    };
     tracks.forEach((track, row) => {
       const top = row * kRow;
       const both = [trace, this.ghost].filter((of): of is Trace => of?.has(track.column) === true);
       const [low, most] = extent([0, ...both.flatMap((of) => [...of.column(track.column)])]) ?? [0, 0];
       const limit = track.limit === undefined ? undefined : this.tolerances?.[track.limit];
       const y = (value: number): number => top + kRow - 5 - (most > low ? (value - low) / (most - low) : 0) * (kRow - 10);
-      /** A line through points, broken where one has no height. */
-      const line = (points: Iterable<readonly [number, number]>, colour: string, lineWidth: number, dash: number[] = []): void => {
-        Object.assign(c, { strokeStyle: colour, lineWidth });
-        c.setLineDash(dash);
-        c.beginPath();
-        let down = false;
-        for (const [at, height_] of points) {
-          const seen = Number.isFinite(height_);
-          if (seen && down) c.lineTo(at, height_);
-          else if (seen) c.moveTo(at, height_);
-          down = seen;
-        }
-        c.stroke();
-        c.setLineDash([]);
-      };
       const level = (at: number, colour: string, dash?: number[]): void => line([[left, at], [left + wide, at]], colour, 1, dash);
       const curve = (of: Trace): [number, number][] => [...of.column(track.column)].map((value, i) => [x(of.t[i] ?? 0), y(value)]);
       level(y(0) + 0.5, p.rule);
       if (limit !== undefined && limit < most) level(y(limit), outcomeColour(p, 'success'), [4, 3]);   // arrived below this
       if (this.ghost !== null && both.includes(this.ghost)) line(curve(this.ghost), p.muted, 1, [2, 2]);
       line(curve(trace), track.colour(p), 1.5);
-      c.font = `12px ${kFont}`;
-      c.fillStyle = p.muted;
-      c.fillText(track.name, 0, top + 13);
+      write(track.name, 0, top + 13, p.muted);
       const now = trace.at(track.column, Math.min(t, trace.end));
-      c.font = `600 12px ${kFont}`;
-      c.fillStyle = p.ink;
-      c.fillText(Number.isFinite(now) ? `${significant(now)} ${track.unit}` : 'none near', 0, top + 29);
+      write(Number.isFinite(now) ? `${significant(now)} ${track.unit}` : 'none near', 0, top + 29, p.ink, '600 12px');
     });
     const top = tracks.length * kRow + 6;
     const status = trace.column('status');
@@ -142,18 +141,9 @@ export class Timeline {
       c.fillRect(from, top, Math.max(1.2, x(i + 1 < trace.n ? trace.t[i + 1] ?? 0 : trace.end) - from + 0.3), 9);
     }
     c.globalAlpha = 1;
-    c.font = `12px ${kFont}`;
-    c.fillStyle = p.muted;
-    c.fillText('solver', 0, top + 5);
-    c.fillStyle = p.faint;
-    c.font = `11px ${kFont}`;
+    write('solver', 0, top + 5, p.muted);
     const step = [0.5, 1, 2, 5, 10].find((s) => end / s <= (width < 520 ? 5 : 10)) ?? 10;
-    for (let mark = 0; mark <= end; mark += step) c.fillText(`${mark}${mark === 0 ? ' s' : ''}`, x(mark), top + 22);
-    c.strokeStyle = p.ink;
-    c.lineWidth = 1;
-    c.beginPath();
-    c.moveTo(x(t), 0);
-    c.lineTo(x(t), top + 12);
-    c.stroke();
+    for (let mark = 0; mark <= end; mark += step) write(`${mark}${mark === 0 ? ' s' : ''}`, x(mark), top + 22, p.faint, '11px');
+    line([[x(t), 0], [x(t), top + 12]], p.ink, 1);
   }
 }

@@ -75,14 +75,9 @@ function verdicts(model: Model): HTMLElement[] {
   const shown = judged(model);
   const what = all.some((s) => s.point !== '') ? 'point' : 'controller';
   return shown.map(({ series: s, row }) => {
-    const colour = seriesColour(palette(), s.mark);
-    if (row === undefined) {
-      return h('article', { class: 'verdict', style: `--c:${colour}` }, h('h2', null, s.name), h('p', null, 'has no trials among these worlds.'));
-    }
-    return h('article', { class: 'verdict', style: `--c:${colour}` },
-      h('h2', null, s.name),
-      h('p', { class: 'rate' }, percentNumber(row.success_rate), h('small', null, '\u00a0%')),
-      h('p', { class: 'words' }, sentence(s.point === '' ? s.name : 'It', row)));
+    const words = row === undefined ? [h('p', null, 'has no trials among these worlds.')]
+      : [h('p', { class: 'rate' }, percentNumber(row.success_rate), h('small', null, '\u00a0%')), h('p', { class: 'words' }, sentence(s.point === '' ? s.name : 'It', row))];
+    return h('article', { class: 'verdict', style: `--c:${seriesColour(palette(), s.mark)}` }, h('h2', null, s.name), ...words);
   }).concat(all.length > shown.length
     ? [h('p', { class: 'aside' }, shown.length === view().series.length ? `${integer(shown.length)} of ${plural(all.length, what)}, as chosen; all are in the table below.`
       : `The best ${integer(shown.length)} of ${plural(all.length, what)}; all are in the table below. The best of many look better on the worlds that chose them than they are: confirm them on other worlds.`)]

@@ -50,9 +50,8 @@ export function notices(model: Model, suites: readonly string[]): string[] {
     out.push(`Of the URDF of ${slice.robot} ${leftOut.size === 1 ? 'one part was' : `${integer(leftOut.size)} parts were`} not understood and left out (--lenient), so that nothing can collide with what is missing: ${list([...leftOut])}.`);
   }
   if (new Set(overall.map((o) => o.n)).size > 1) out.push('The controllers do not have equally many trials: compare them world by world.');
-  const suite = Array.from({ length: trials.n }, (_, row) => row).filter((row) => trials.text('suite', row) === slice.suite);
   const errors = overall.reduce((sum, o) => sum + o.errors, 0);
-  const diverged = suite.filter((row) => trials.outcome(row) === 'diverged').length;
+  const diverged = trials.rows().filter((row) => trials.outcome(row) === 'diverged' && trials.text('suite', row) === slice.suite).length;
   if (errors > 0) out.push(`${plural(errors, 'trial')} ended by an error; ${errors === 1 ? 'it counts' : 'they count'} as failed. The table of results has the rate without ${errors === 1 ? 'it' : 'them'}, the table of trials the text.`);
   if (diverged > 0) out.push(`In ${plural(diverged, 'trial')} the physics diverged; ${diverged === 1 ? 'it counts' : 'they count'} as failed.`);
   const classes = new Set(runs.map((r) => r.machine_class));
