@@ -49,7 +49,7 @@ function exceedances(of: readonly Estimate[], id: string): FigureSpec {
         columns: ['controller', 'point', 'family', 'event', level, 'p', 'low', 'high', 'crude'],
         rows: all.map((q) => [q.r.controller, q.r.point, q.r.family, q.r.event, q.x, q.q, q.low, q.high, q.crude]),
         ...plots(p, width, {
-          groups: curves, most: kTogether, height: 380,
+          groups: curves, most: kTogether,
           x: (marks) => axis(p, axisName(score), nice(Math.min(...xs), Math.max(...xs), marks)),
           y: axis(p, 'probability', { min: least, max: 0, interval: Math.ceil(-least / 8), nameGap: 44 }, (v) => (v === 0 ? '1' : significant(10 ** v, 1))),
           series: (i, alone) => {

@@ -161,17 +161,12 @@ function sensitivity(search: TuneSearch, id: string): FigureSpec {
   };
 }
 
-function figuresOf(search: TuneSearch, index: number): FigureSpec[] {
-  const id = index === 0 ? '' : String(index + 1);
-  return [held(search, id), history(search, id), sensitivity(search, id)];
-}
-
 export function tuning(model: Model): Node[] {
   return model.page.tuning.flatMap((search, i) => [
     h('div', { class: 'panel' },
       h('h3', null, `Gains of ${search.controller} in ${search.suite}`), ...verdictOf(search).map((text, k) => h('p', { class: k === 0 ? 'judged' : 'note' }, text)),
       gains(search), comparisons(search),
       ...search.notes.map((note) => h('p', { class: 'note' }, `Note: ${note}.`))),
-    ...figuresOf(search, i).map(figure),
+    ...[held, history, sensitivity].map((of) => figure(of(search, i === 0 ? '' : String(i + 1)))),
   ]);
 }

@@ -22,7 +22,7 @@ import { Playback } from './playback';
 import { Robot } from './robot';
 import { readRows, RowWords } from './rows';
 import { filmButton, pictureButton, type Shown } from './saving';
-import { reachedTimes, ReplayScene, type Layer, type WorldJson } from './scene';
+import { reachedTimes, ReplayScene, type Layer, type Moved, type WorldJson } from './scene';
 import { signals, statusAt, Timeline } from './timeline';
 import { decode, type Trace } from './trace';
 
@@ -179,11 +179,14 @@ export function player(model: Model): HTMLElement {
     return known;
   };
 
+  /** Throws an Error where samples or robot cannot be read. */
+  const movedOf = (motion: Motion): Moved => ({ robot: new Robot(motion.robot), trace: decode(motion.replay), look: lookOf(motion) });
+
   const putBeside = (trial: string, motion: Motion | null): void => {
     ghost = motion === null ? '' : trial;
-    const moved = motion === null ? null : { robot: new Robot(motion.robot), trace: decode(motion.replay), look: lookOf(motion) };
+    const moved = motion === null ? null : movedOf(motion);
     scene?.beside(moved);
-    timeline.beside(moved?.trace ?? null);
+    timeline.ghost = moved?.trace ?? null;
     scrub.max = String(timeline.end);
     stage.dataset['beside'] = ghost;
     tellLegend();
@@ -217,20 +220,17 @@ export function player(model: Model): HTMLElement {
     words = { outcome: chip?.textContent ?? '', colour, caption: rest.map((node) => node.textContent).join('').trim(), clock: '', labels: [] };
   };
 
-  /** Shows a motion from its start. Throws an Error where samples or robot cannot be read. */
+  /** Shows a motion from its start. */
   const present = (trial: string, motion: Motion): void => {
-    const decoded = decode(motion.replay);
+    const moved = movedOf(motion);
     const row = model.row(trial) ?? -1;
     const t = model.trials;
     const point = model.point(row);
-    const next = new Robot(motion.robot);
     scene ??= new ReplayScene(canvas, draw);
     current = trial;
     sees = disturbed(point);
-    trace = decoded;
-    robot = next;
-    const look = lookOf(motion);
-    shapesBox.hidden = look.length === 0;
+    ({ trace, robot } = moved);
+    shapesBox.hidden = moved.look.length === 0;
     const rows = readRows(motion.replay);
     hasRows = rows !== null;
     scene.follow = follow.checked;
@@ -238,23 +238,23 @@ export function player(model: Model): HTMLElement {
     const world = motion.replay.world as WorldJson;
     const map = readMap(motion.replay);
     for (const { layer, input, label } of layers) {
-      label.hidden = layer === 'fields' ? next.sensors.length === 0 : map === null || map.boxes.every(({ cells }) => cells !== layer);
+      label.hidden = layer === 'fields' ? moved.robot.sensors.length === 0 : map === null || map.boxes.every(({ cells }) => cells !== layer);
       scene.showLayer(layer, input.checked);
     }
     switches.hidden = layers.every(({ label }) => label.hidden);
     scene.show({
-      robot: next, world, reached: reachedTimes(t.text('goals', row), world, point?.success_dwell_s ?? 0), trace: decoded, look, rows: rows ?? [], map,
+      ...moved, world, reached: reachedTimes(t.text('goals', row), world, point?.success_dwell_s ?? 0), rows: rows ?? [], map,
       hit: { link: t.text('link', row), object: t.text('object', row) }, tolerance: point?.success_position_m ?? 0,
     });
-    timeline.show(decoded, point === undefined ? null : { position: point.success_position_m, rotation: point.success_orientation_rad });
+    timeline.show(moved.trace, point === undefined ? null : { position: point.success_position_m, rotation: point.success_orientation_rad });
     const twin = beside.wanted(current);
     const besides = model.embedded(twin) ?? null;
     putBeside(twin, besides);
     if (besides !== null) scene.home();
     beside.fill(current);
     tellCaption(row, motion.simulated);
-    joints.show(next);
-    offerSignals(decoded, next.driven.map(({ name }) => name));
+    joints.show(moved.robot);
+    offerSignals(moved.trace, moved.robot.driven.map(({ name }) => name));
     playback.time = 0;
     show();
     motions.fill(current);

@@ -36,7 +36,7 @@ export function reachedTimes(reached: string, { goals = [] }: WorldJson, dwell: 
 }
 
 /** A motion of a robot, with what the robot looks like. */
-interface Moved { robot: Robot; trace: Trace; look: readonly Skin[] }
+export interface Moved { robot: Robot; trace: Trace; look: readonly Skin[] }
 
 /**
  * A motion in its world: when it went on to the next goal [s], what was hit, the rows of each sample, the controller's map, the

@@ -45,7 +45,8 @@ export class Timeline {
   /** A column that the reader has added, with its name; null: none. */
   signal: { column: string; name: string } | null = null;
   private trace: Trace | null = null;
-  private ghost: Trace | null = null;
+  /** Another motion on the same clock, drawn pale. */
+  ghost: Trace | null = null;
   private tolerances: Tolerances | null = null;
 
   constructor(private readonly canvas: HTMLCanvasElement, seek: (t: number) => void) {
@@ -63,11 +64,6 @@ export class Timeline {
     this.trace = trace;
     this.tolerances = tolerances;
     this.ghost = null;
-  }
-
-  /** Another motion on the same clock, drawn pale; null takes it away. */
-  beside(ghost: Trace | null): void {
-    this.ghost = ghost;
   }
 
   get end(): number {

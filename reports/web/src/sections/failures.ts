@@ -21,13 +21,6 @@ function clusters(model: Model): Cluster[] {
     .map((alike) => ({ ...alike[0]!, rows: alike.map(({ row }) => row) })).sort((a, b) => b.rows.length - a.rows.length);
 }
 
-/** How bad: deepest contact, else farthest from the goal. */
-function worst(model: Model, cluster: Cluster): number[] {
-  const key = cluster.outcome === 'collision' ? 'collision_depth_m' : 'position_error_m';
-  const value = (row: number): number => model.trials.number(key, row) || 0;
-  return [...cluster.rows].sort((a, b) => value(b) - value(a));
-}
-
 function byCause(all: readonly Cluster[]): HTMLElement {
   const { series } = view();
   const p = palette();
@@ -58,19 +51,19 @@ export function failures(model: Model): HTMLElement {
     const failed = all.reduce((sum, c) => sum + c.rows.length, 0);
     const met = view().series.reduce((sum, s) => sum + s.rows.length, 0);
     replace(box, ...shown.map((c) => {
-      const ranked = worst(model, c);
+      const of = metric(c.outcome === 'collision' ? 'collision_depth_m' : 'position_error_m');   // how bad
+      const value = (row: number): number => model.trials.number(of.key, row);
+      const ranked = [...c.rows].sort((a, b) => (value(b) || 0) - (value(a) || 0));
       const playable = ranked.find((row) => model.playable(model.trials.text('trial', row)));
       const row = playable ?? ranked[0] ?? 0;
       const trial = model.trials.text('trial', row);
-      const of = metric(c.outcome === 'collision' ? 'collision_depth_m' : 'position_error_m');
-      const value = model.trials.number(of.key, row);
       const of_ = c.series.rows.length;
       return h('article', { style: `--c:${outcomeColour(p, c.outcome)}` },
         h('h4', null, h('span', { class: 'chip' }, outcomeName(c.outcome)), h('span', { class: 'who', title: c.series.name }, c.series.short)),
         h('p', { class: 'why', title: kCauseTexts[c.cause] }, c.cause),
         h('p', { class: 'what' }, c.what || (c.outcome === 'timeout' ? 'the time ran out' : 'no reason given')),
         h('p', { class: 'count' }, h('b', null, integer(c.rows.length)), ` of ${plural(of_, 'trial')}, ${percent(c.rows.length / of_)}`),
-        h('p', { class: 'worst' }, `${playable === undefined ? 'Worst' : 'Worst to play'}: world ${integer(model.trials.number('world', row))}`, Number.isFinite(value) ? `, ${of.name} ${withUnit(of, value)}` : ''),
+        h('p', { class: 'worst' }, `${playable === undefined ? 'Worst' : 'Worst to play'}: world ${integer(model.trials.number('world', row))}`, Number.isFinite(value(row)) ? `, ${of.name} ${withUnit(of, value(row))}` : ''),
         h('div', { class: 'actions' },
           playable === undefined ? button('Command', () => select(trial, true)) : button('Play', () => select(trial, true), 'play'),
           button('List', () => {

@@ -44,19 +44,16 @@ function facts(model: Model): [string, string][] {
   const latest = runs[0];
   const trials = page.overall.filter((o) => inSlice(o, slice)).reduce((sum, o) => sum + o.n, 0);
   const versions = unique(runs.map((r) => `${r.moma_version}${r.git_commit ? ` (${r.git_commit.slice(0, 7)}${r.git_dirty ? ', changed' : ''})` : ''}`));
-  const out: [string, string][] = [
+  const between = disturbances(model, slice);
+  return [
     ['Robot', slice.robot],
     ['Controllers', names(unique(points.map((p) => p.controller))) + (points.some((p) => p.point !== '') ? `, ${plural(points.length, 'point')}` : '')],
     ['Worlds', `${families.join(', ') || 'none'}${seeds(points) ? `; seed ${seeds(points)}` : ''}`],
     ['Simulation', `${slice.mode}, ${unique(points.map((p) => `${1e3 * p.control_period_s} ms`)).join(', ')} control period`],
+    ...(between === '' ? [] : [['Disturbances', between] as [string, string]]),
     ['Trials', integer(trials)],
+    ...(latest === undefined ? [] : [['Run', `${when(latest.started)} on ${unique(runs.map((r) => r.host)).join(', ')}`], ['moma', versions.join(', ')]] as [string, string][]),
   ];
-  const between = disturbances(model, slice);
-  if (between !== '') out.splice(4, 0, ['Disturbances', between]);
-  if (latest !== undefined) {
-    out.push(['Run', `${when(latest.started)} on ${unique(runs.map((r) => r.host)).join(', ')}`], ['moma', versions.join(', ')]);
-  }
-  return out;
 }
 
 function sentence(name: string, row: SummaryRow): string {

@@ -3,7 +3,7 @@
 import { disturbed } from '../conditions';
 import { outcomeName, kOutcomes, type Model } from '../data';
 import { button, choice, copyButton, h, replace, roving, terms } from '../dom';
-import { filtered } from '../filter';
+import { contact, filtered, isText } from '../filter';
 import { integer, plural } from '../format';
 import { kMetrics, metric, withUnit } from '../metrics';
 import { saveCsv } from '../panel';
@@ -19,7 +19,6 @@ const kColumns: Record<string, { head: string; width: number }> = {
   trial: { head: 'Trial', width: 158 }, controller: { head: 'Controller', width: 118 }, point: { head: 'Point', width: 190 }, family: { head: 'Family', width: 88 },
   world: { head: 'World', width: 68 }, outcome: { head: 'Outcome', width: 112 }, contact: { head: 'Contact or reason', width: 230 },
 };
-const isText = (key: string): boolean => key in kColumns && key !== 'world';
 
 function columnOf(key: string): { head: string; width: number } {
   const { head = '', unit } = metric(key);
@@ -29,12 +28,6 @@ function columnOf(key: string): { head: string; width: number } {
 export function command(model: Model, trial: string): string {
   const file = model.file(model.row(trial) ?? -1);
   return `moma replay ${/^[\w./-]+$/.test(file) ? file : `'${file.replaceAll("'", `'\\''`)}'`} ${trial}`;
-}
-
-function contact(model: Model, row: number): string {
-  const t = model.trials;
-  const link = t.text('link', row);
-  return link !== '' ? `${link} \u2013 ${t.text('object', row)}` : t.text('reason', row);
 }
 
 function columns(model: Model): string[] {
@@ -118,7 +111,7 @@ export function trials(model: Model): HTMLElement {
   };
 
   const refresh = (): void => {
-    rows = filtered(model, isText, (row) => contact(model, row));
+    rows = filtered(model);
     rowsBox.style.height = `${rows.length * kRowHeight}px`;
     draw();
     count.textContent = rows.length === all ? `${plural(all, 'trial')}.` : `${integer(rows.length)} of ${plural(all, 'trial')}.`;
@@ -179,8 +172,7 @@ export function trials(model: Model): HTMLElement {
     if (event.key === 'Enter' && place >= 0) select(state.get('trial'), true);
     if (step === undefined) return;
     event.preventDefault();
-    const next = Math.max(0, Math.min(rows.length - 1, place + step));
-    const row = rows[next];
+    const row = rows[Math.max(0, Math.min(rows.length - 1, place + step))];
     if (row !== undefined) select(t.text('trial', row), false);
   });
   const reveal = (): void => {
