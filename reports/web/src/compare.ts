@@ -8,19 +8,10 @@ import { bootstrapMean, mcnemar, type Interval } from './stats';
 /** Rows of the two trials, their metric. */
 export interface PairedWorld { world: number; a: number; b: number; x: number; y: number }
 
-export interface Pairs {
-  worlds: PairedWorld[];
-  both: number; onlyA: number; onlyB: number; neither: number;
-  /** Exact McNemar test of equal success rates. */
-  p: number;
-  /** Mean of B - A over the worlds in which both sides have the metric. */
-  differences: number;
-  mean: number;
-  /** Interval of the mean; computed on request, since the bootstrap is slow. */
-  readonly interval: Interval;
-}
+export type Pairs = ReturnType<typeof pairs>;
 
-export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
+/** `p`: exact McNemar test of equal success rates. `mean`: of B - A over the worlds in which both sides have the metric, so many `differences`. */
+export function pairs(model: Model, a: Series, b: Series, key: string) {
   const t = model.trials;
   // Worlds are matched by content, not by index: compared stores can number them differently.
   const named = (row: number): string => t.text('world_key', row);
@@ -40,6 +31,7 @@ export function pairs(model: Model, a: Series, b: Series, key: string): Pairs {
   return {
     worlds, ...count, p: mcnemar(count.onlyA, count.onlyB), differences: differences.length,
     mean: differences.reduce((sum, d) => sum + d, 0) / differences.length,
+    /** Of the mean; computed on request, since the bootstrap is slow. */
     get interval() { return interval ??= bootstrapMean(differences); },
   };
 }

@@ -89,9 +89,6 @@ export interface ReplayData {
   map?: { cell: number; hz: number; data: string; looks: { n: number; data: string } };
 }
 
-/** Answer of `moma view`: the motion with its robot. Samples can be simulated anew. */
-interface ServedReplay extends ReplayData { resolved: unknown; simulated?: boolean }
-
 export interface Motion { replay: ReplayData; robot: unknown; simulated: boolean }
 
 export interface TuneSearch {
@@ -322,8 +319,9 @@ export async function ask(path: string): Promise<unknown> {
   return json;
 }
 
+/** The answer of `moma view` is the motion with its robot. Samples can be simulated anew. */
 async function fetchMotion(trial: string): Promise<Motion> {
-  const served = await ask(`replay/${trial}`) as ServedReplay;
+  const served = await ask(`replay/${trial}`) as ReplayData & { resolved: unknown; simulated?: boolean };
   if (served.n === 0) throw new Error('the store keeps no samples of it');
   return { replay: served, robot: served.resolved, simulated: served.simulated === true };
 }

@@ -13,12 +13,6 @@ type Estimate = RiskEstimate & { suite: string };
 /** Wider names and more curves do not fit into one plot. */
 const kTogether = 4;
 
-/** The latest estimate of each event, by suite, point and family. */
-function estimates(model: Model): Estimate[] {
-  const all = model.page.invocations.flatMap((i) => (i.risk ?? []).map((r): Estimate => ({ suite: i.suite, ...r })));
-  return [...new Map(all.reverse().map((r) => [[r.suite, r.controller, r.point, r.event, r.family].join('\n'), r])).values()];
-}
-
 function nameOf(r: Estimate): string {
   return [r.controller, r.point, r.family].filter((part) => part !== '').join(' \u00b7 ');
 }
@@ -74,8 +68,11 @@ function exceedances(of: readonly Estimate[], id: string): FigureSpec {
   };
 }
 
+/** The latest estimates of one event in one suite each, by point and family. */
 function groups(model: Model): Estimate[][] {
-  return [...grouped(estimates(model), (r) => `${r.suite}\n${r.event}`).values()];
+  const all = model.page.invocations.flatMap((i) => (i.risk ?? []).map((r): Estimate => ({ suite: i.suite, ...r })));
+  const latest = new Map(all.reverse().map((r) => [[r.suite, r.controller, r.point, r.event, r.family].join('\n'), r]));
+  return [...grouped([...latest.values()], (r) => `${r.suite}\n${r.event}`).values()];
 }
 
 export function riskFigures(model: Model): FigureSpec[] {

@@ -33,18 +33,11 @@ interface Joint {
 
 interface Driven { name: string; lower: number; upper: number }
 
-/** R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF. */
-function fromRpy(rpy: readonly number[]): Matrix4 {
-  const [roll = 0, pitch = 0, yaw = 0] = rpy;
-  return new Matrix4().makeRotationFromEuler(new Euler(roll, pitch, yaw, 'ZYX'));
-}
-
 export function poseMatrix(pose: PoseJson | undefined): Matrix4 {
-  const r = pose?.rotation;
+  const { rotation: r, rpy: [roll = 0, pitch = 0, yaw = 0] = [], position: [x = 0, y = 0, z = 0] = [] } = pose ?? {};
   const matrix = r !== undefined && r.length === 9
     ? new Matrix4().set(r[0]!, r[1]!, r[2]!, 0, r[3]!, r[4]!, r[5]!, 0, r[6]!, r[7]!, r[8]!, 0, 0, 0, 0, 1)
-    : fromRpy(pose?.rpy ?? []);
-  const [x = 0, y = 0, z = 0] = pose?.position ?? [];
+    : new Matrix4().makeRotationFromEuler(new Euler(roll, pitch, yaw, 'ZYX'));   // Rz(yaw) Ry(pitch) Rx(roll), as in URDF
   return matrix.setPosition(x, y, z);
 }
 

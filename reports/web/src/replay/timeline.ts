@@ -19,7 +19,7 @@ const kTracks: readonly Track[] = [
 
 const kRow = 40;
 const kStrip = 22;
-const kLeft = 150;
+const leftIn = (width: number): number => (width < 520 ? 104 : 150);
 
 export function statusAt(trace: Trace, t: number): string {
   const [i] = trace.locate(t);
@@ -53,7 +53,7 @@ export class Timeline {
     const at = (event: PointerEvent): void => {
       if (this.trace === null) return;
       const box = canvas.getBoundingClientRect();
-      const left = this.left(box.width);
+      const left = leftIn(box.width);
       seek(Math.min(1, Math.max(0, (event.clientX - box.left - left) / (box.width - left - 8))) * this.end);
     };
     canvas.addEventListener('pointerdown', (event) => { canvas.setPointerCapture(event.pointerId); at(event); });
@@ -70,10 +70,6 @@ export class Timeline {
     return Math.max(this.trace?.end ?? 0, this.ghost?.end ?? 0);
   }
 
-  private left(width: number): number {
-    return width < 520 ? 104 : kLeft;
-  }
-
   draw(p: Palette, t: number): void {
     const { canvas, trace } = this;
     const width = canvas.clientWidth;
@@ -87,7 +83,7 @@ export class Timeline {
     const c = canvas.getContext('2d');
     if (c === null) return;
     c.scale(ratio, ratio);
-    const left = this.left(width);
+    const left = leftIn(width);
     const wide = width - left - 8;
     const end = this.end;
     const x = (time: number): number => left + (end > 0 ? time / end : 0) * wide;

@@ -1,7 +1,7 @@
 // The run and its result: one sentence per controller.
 
 import { disturbances } from '../conditions';
-import { inSlice, type Model, type PointInfo, type SummaryRow } from '../data';
+import { inSlice, type Model, type SummaryRow } from '../data';
 import { h, replace, terms } from '../dom';
 import { fixed, integer, list, percent, percentNumber, percentRange, plural } from '../format';
 import { verdictOf } from '../search_words';
@@ -26,10 +26,6 @@ function when(iso: string): string {
   return Number.isNaN(date.getTime()) ? iso : `${date.getUTCDate()} ${kMonths[date.getUTCMonth()]} ${date.getUTCFullYear()}`;
 }
 
-function seeds(points: readonly PointInfo[]): string {
-  return list(unique(points.map((p) => String(p.worlds?.seed ?? '')).filter((s) => s !== '')));
-}
-
 function names(all: readonly string[]): string {
   return all.length <= kNames ? all.join(', ') : `${all.slice(0, kNames - 3).join(', ')} and ${integer(all.length - kNames + 3)} others`;
 }
@@ -44,11 +40,12 @@ function facts(model: Model): [string, string][] {
   const latest = runs[0];
   const trials = page.overall.filter((o) => inSlice(o, slice)).reduce((sum, o) => sum + o.n, 0);
   const versions = unique(runs.map((r) => `${r.moma_version}${r.git_commit ? ` (${r.git_commit.slice(0, 7)}${r.git_dirty ? ', changed' : ''})` : ''}`));
+  const seeds = list(unique(points.map((p) => String(p.worlds?.seed ?? '')).filter((s) => s !== '')));
   const between = disturbances(model, slice);
   return [
     ['Robot', slice.robot],
     ['Controllers', names(unique(points.map((p) => p.controller))) + (points.some((p) => p.point !== '') ? `, ${plural(points.length, 'point')}` : '')],
-    ['Worlds', `${families.join(', ') || 'none'}${seeds(points) ? `; seed ${seeds(points)}` : ''}`],
+    ['Worlds', `${families.join(', ') || 'none'}${seeds === '' ? '' : `; seed ${seeds}`}`],
     ['Simulation', `${slice.mode}, ${unique(points.map((p) => `${1e3 * p.control_period_s} ms`)).join(', ')} control period`],
     ...(between === '' ? [] : [['Disturbances', between] as [string, string]]),
     ['Trials', integer(trials)],

@@ -9,12 +9,6 @@ import * as state from '../state';
 import { isDark, palette, seriesColour, toggleTheme } from '../theme';
 import { toggleSeries, view } from '../view';
 
-interface Toolbar {
-  element: HTMLElement;
-  /** To be called once the sections are in the page. */
-  watch: () => void;
-}
-
 /** Few values side by side, many in a list. */
 function under(of: Condition, place: number): HTMLElement {
   const now = chosen().get(place);
@@ -27,7 +21,8 @@ function under(of: Condition, place: number): HTMLElement {
       value === undefined ? 'all' : shortValue(of.values[value] ?? '')))));
 }
 
-export function toolbar(model: Model, sections: readonly (readonly [id: string, name: string])[]): Toolbar {
+/** `watch` is to be called once the sections are in the page. */
+export function toolbar(model: Model, sections: readonly (readonly [id: string, name: string])[]): { element: HTMLElement; watch: () => void } {
   const links = new Map(sections.map(([id, name]) => [id, h('a', { href: `#${id}`, click: (event) => {
     event.preventDefault();
     state.set({ in: id }, true);   // the hash belongs to the view
