@@ -228,11 +228,7 @@ export class Model {
     this.trials.load(page.trials);
     const slices = page.points.map(({ suite, robot, mode }): Slice => ({ id: [suite, robot, mode].join(' / '), suite, robot, mode }));
     this.slices = [...new Map(slices.map((slice) => [slice.id, slice])).values()];
-    this.rowOf = new Map();
-    for (let row = 0; row < this.trials.n; ++row) {
-      const key = this.trials.text('trial', row);
-      if (!this.rowOf.has(key)) this.rowOf.set(key, row);
-    }
+    this.rowOf = new Map(this.trials.rows().reverse().map((row) => [this.trials.text('trial', row), row]));   // the first of several
     this.replays = new Map(page.replays.map((replay) => [replay.trial, replay]));
   }
 

@@ -58,8 +58,7 @@ export function view(): View {
   if (points.length > kColours) {   // colours go to those that are shown
     for (const s of points) s.mark = series.indexOf(s);
   }
-  cached = { model, slice, family, families, all, series };
-  return cached;
+  return cached = { model, slice, family, families, all, series };
 }
 
 /** Whether all series are shown unless the reader chooses among them. */
@@ -131,8 +130,7 @@ export function naming(): string {
 
 export function toggleSeries(index: number): void {
   const now = new Set(view().series.map((s) => s.index));
-  if (now.has(index)) now.delete(index);
-  else now.add(index);
+  if (!now.delete(index)) now.add(index);
   if (now.size === 0) return;
   const { all, model, slice } = view();
   const text = [...now].sort((a, b) => a - b).join(',');

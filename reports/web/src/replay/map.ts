@@ -5,6 +5,7 @@ import { BoxGeometry, BufferAttribute, BufferGeometry, EdgesGeometry, Group, Lin
 
 import type { ReplayData } from '../data';
 import { columnsOf, unpacked } from '../packed';
+import { between } from './motion';
 import type { Gaze } from './robot';
 
 /** Numbers of a box, in the order of reports/render/replay_data.h. */
@@ -47,11 +48,9 @@ export function pictureAt({ hz, pictures }: SeenMap, t: number): number {
 /** Where a sensor looks at time t; straight ahead where it never turns. */
 export function gazeAt(map: SeenMap | null, sensor: number, t: number): Gaze {
   const looks = map?.looks[sensor] ?? [];
-  let i = 0;
-  while ((looks[i + 1]?.t ?? Infinity) <= t) ++i;
+  const [i, s] = between(looks.map((look) => look.t), t);
   const [a, b] = [looks[i], looks[i + 1] ?? looks[i]];
   if (a === undefined || b === undefined) return { pan: 0, tilt: 0 };
-  const s = b.t > a.t ? Math.max(0, (t - a.t) / (b.t - a.t)) : 0;
   return { pan: a.pan + s * (b.pan - a.pan), tilt: a.tilt + s * (b.tilt - a.tilt) };
 }
 

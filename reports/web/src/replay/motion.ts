@@ -19,7 +19,7 @@ export function vector(values: readonly number[] | undefined): Vector3 {
 }
 
 /** Interval of `times` that holds t, and how far into it (0 to 1); held at the ends. */
-function between(times: readonly number[], t: number): [number, number] {
+export function between(times: readonly number[], t: number): [number, number] {
   const last = times.length - 1;
   if (t <= (times[0] ?? 0)) return [0, 0];
   if (t >= (times[last] ?? 0)) return [Math.max(0, last - 1), 1];

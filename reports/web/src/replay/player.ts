@@ -36,12 +36,10 @@ const kLayers: readonly { layer: Layer; name: string; title: string; on: boolean
 /** An arrow key moves the time by this much [s]. */
 const kStep = 0.1;
 
-/** Says why nothing can be played, and which command plays a trial. */
 function nothingToPlay(model: Model): HTMLElement {
-  const trial = model.trials.n > 0 ? model.trials.text('trial', 0) : 'TRIAL';
   return h('div', { class: 'empty' },
-    h('p', null, model.trials.n === 0 ? 'No trials, no replays.' : 'The store keeps no samples of these trials, so none can be played here. A trial is simulated again, bit for bit, by'),
-    model.trials.n === 0 ? null : h('p', { class: 'command' }, h('code', null, command(model, trial))));
+    h('p', null, 'The store keeps no samples of these trials, so none can be played here. A trial is simulated again, bit for bit, by'),
+    h('p', { class: 'command' }, h('code', null, command(model, model.trials.text('trial', 0)))));
 }
 
 export function player(model: Model): HTMLElement {
@@ -271,10 +269,14 @@ export function player(model: Model): HTMLElement {
     wanted = trial;
     playback.pause();
     if (model.page.live !== undefined) replace(caption, 'Reading the motion\u2026');
-    const motion = await model.motion(trial);
-    if (wanted !== trial) return;   // another was chosen meanwhile
-    present(trial, motion);
-    if (thenPlay) start();
+    try {
+      const motion = await model.motion(trial);
+      if (wanted !== trial) return;   // another was chosen meanwhile
+      present(trial, motion);
+      if (thenPlay) start();
+    } catch (error) {
+      if (wanted === trial) replace(caption, `This trial cannot be shown here: ${said(error)}. `, h('code', null, command(model, trial)));
+    }
   };
 
   /** The moment shown, as pictures; where the reader has moved nothing, that at which the motion stopped. */
@@ -296,17 +298,11 @@ export function player(model: Model): HTMLElement {
     return pictures;
   };
 
-  const safely = (trial: string, thenPlay: boolean): void => {
-    load(trial, thenPlay).catch((error: unknown) => {
-      if (wanted === trial) replace(caption, `This trial cannot be shown here: ${said(error)}. `, h('code', null, command(model, trial)));
-    });
-  };
-
   onSelect((trial, thenPlay) => {
     if (!model.playable(trial)) return;
     if (model.page.live !== undefined && !thenPlay) return;   // walking through the table asks for nothing
     if (thenPlay) goToSection('replay');
-    safely(trial, thenPlay);
+    void load(trial, thenPlay);
   });
   state.listen(['beside'], () => {
     if (current !== '') setBeside().catch((error: unknown) => { rowWords.sentence.textContent = `The other motion cannot be shown: ${said(error)}.`; });
@@ -334,7 +330,7 @@ export function player(model: Model): HTMLElement {
   // A motion of the page itself is shown like a figure; one of the server, which may have to simulate it, when it is looked at.
   (model.page.live === undefined ? drawLater : whenSeen)(element, () => {
     const ofAddress = state.get('trial');
-    if (current === '' && wanted === '') safely(model.playable(ofAddress) ? ofAddress : listed(model)[0] ?? '', false);
+    if (current === '' && wanted === '') void load(model.playable(ofAddress) ? ofAddress : listed(model)[0] ?? '', false);
     new ResizeObserver(() => draw()).observe(stage);
   });
   return element;

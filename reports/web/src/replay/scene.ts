@@ -2,7 +2,7 @@
 
 import {
   AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Matrix4, Mesh, MeshStandardMaterial, PCFShadowMap,
-  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, Vector3, WebGLRenderer, type Material, type MeshStandardMaterialParameters, type Object3D,
+  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, Vector3, WebGLRenderer, type MeshStandardMaterialParameters, type Object3D,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Line2 } from 'three/examples/jsm/lines/Line2.js';
@@ -163,7 +163,6 @@ export class ReplayScene {
 
   /** Shows the shapes that count in collisions in place of what the robot looks like. The view stays. */
   setShapes(only: boolean): void {
-    if (only === this.shapesOnly) return;
     this.shapesOnly = only;
     this.build();
   }
@@ -396,8 +395,7 @@ export class ReplayScene {
       if (node instanceof DirectionalLight) node.dispose();   // its map of shadows
       const mesh = node as Partial<Mesh>;
       mesh.geometry?.dispose();
-      const materials = mesh.material === undefined ? [] : Array.isArray(mesh.material) ? mesh.material : [mesh.material];
-      for (const material of materials as Material[]) material.dispose();
+      for (const material of [mesh.material ?? []].flat()) material.dispose();
     });
   }
 }
