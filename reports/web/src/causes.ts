@@ -41,14 +41,12 @@ const kOften = 0.1;
 /** Sine of the bearing beyond which a goal lies beside the base. */
 const kBeside = 0.5;
 
-interface Held { near: string[]; limits: string[]; outside: string; told: boolean }
-
 /**
  * Kind of the store's reason: "0.4 m and 0.1 rad from the goal; link4 is 0.02 m from sphere3; joint4 is 0.01 from its
  * limit". Numbers differ from trial to trial and would make every failure its own cluster.
  */
-function held(reason: string): Held {
-  const out: Held = { near: [], limits: [], outside: '', told: false };
+function held(reason: string) {
+  const out = { near: [] as string[], limits: [] as string[], outside: '', told: false };
   for (const text of reason.split(';')) {
     const near = /^\s*(\S+) is ([-+.\deE]+) m from (.+)$/.exec(text);
     const limit = /^\s*(\S+) is ([-+.\deE]+) from its limit$/.exec(text);

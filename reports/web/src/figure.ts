@@ -28,6 +28,13 @@ export function figure(spec: FigureSpec): HTMLElement {
   let width = 0;   // of the plot when it was drawn
 
   const draw = (): void => {
+    replace(controls, ...(spec.choices ?? []).map(({ key, label, options, value }) => {
+      const all = options();
+      return all.length < 2 ? null : choice(label, all, value?.() ?? state.get(key), (chosen) => {
+        state.set({ [key]: chosen });
+        draw();
+      });
+    }));
     title.textContent = textOf(spec.title);
     caption.textContent = textOf(spec.caption);
     width = plot.clientWidth;   // asked for once: after changes to the page each answer is a layout
@@ -48,7 +55,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     if (chart === null) {
       replace(plot);
       chart = echarts.init(plot, null, { renderer: 'canvas', width, height });
-      chart.on('click', ({ data }) => { const { of } = data as { of?: unknown }; if (of !== undefined) spec.click?.(of); });
+      chart.on('click', ({ data }) => { const of = (data as { of?: unknown } | undefined)?.of; if (of !== undefined) spec.click?.(of); });
     } else if (chart.getWidth() !== width || chart.getHeight() !== height) {
       chart.getZr().resize({ width, height });   // the chart's own resize() would draw what is about to be replaced
     }
@@ -62,18 +69,7 @@ export function figure(spec: FigureSpec): HTMLElement {
     plot.setAttribute('aria-label', `${textOf(spec.title)}. ${drawing.note}`);
   };
 
-  const fillControls = (): void => replace(controls, ...(spec.choices ?? []).map(({ key, label, options, value }) => {
-    const all = options();
-    return all.length < 2 ? null : choice(label, all, value?.() ?? state.get(key), (chosen) => {
-      state.set({ [key]: chosen });
-      follow();
-    });
-  }));
-  const follow = (): void => {
-    fillControls();
-    draw();
-  };
-  fillLater(element, follow, ...(spec.linked === true ? ['trial'] : []));
-  new ResizeObserver(() => { if (width > 0 && plot.clientWidth !== width) follow(); }).observe(plot);
+  fillLater(element, draw, ...(spec.linked === true ? ['trial'] : []));
+  new ResizeObserver(() => { if (width > 0 && plot.clientWidth !== width) draw(); }).observe(plot);
   return element;
 }

@@ -1,7 +1,7 @@
 // A person's notes in Markdown as elements. Nothing becomes markup by itself: of HTML the text is shown, links lead to
 // web pages only, pictures are named and not fetched.
 
-import { lexer, type MarkedToken, type Token, type Tokens } from 'marked';
+import { lexer, type MarkedToken, type Token } from 'marked';
 
 import { h } from './dom';
 
@@ -25,11 +25,6 @@ function inline(tokens: readonly Token[] | undefined): Node[] {
   });
 }
 
-function list(token: Tokens.List): HTMLElement {
-  const items = token.items.map((item) => h('li', null, ...blocks(item.tokens)));
-  return token.ordered ? h('ol', { start: token.start === '' ? 1 : token.start }, ...items) : h('ul', null, ...items);
-}
-
 function blocks(tokens: readonly Token[]): Node[] {
   return (tokens as MarkedToken[]).flatMap((token): Node[] => {
     switch (token.type) {
@@ -40,7 +35,7 @@ function blocks(tokens: readonly Token[]): Node[] {
       case 'code': return [h('pre', null, h('code', null, token.text))];
       case 'blockquote': return [h('blockquote', null, ...blocks(token.tokens))];
       case 'hr': return [h('hr')];
-      case 'list': return [list(token)];
+      case 'list': return [h(token.ordered ? 'ol' : 'ul', { start: token.ordered && (token.start === '' ? 1 : token.start) }, ...token.items.map((item) => h('li', null, ...blocks(item.tokens))))];
       case 'table': return [h('table', { class: 'plain' }, h('thead', null, h('tr', null, ...token.header.map((cell) => h('th', { scope: 'col' }, ...inline(cell.tokens))))),
         h('tbody', null, ...token.rows.map((row) => h('tr', null, ...row.map((cell) => h('td', null, ...inline(cell.tokens)))))))];
       default: return [h('p', null, token.raw)];

@@ -28,15 +28,13 @@ function made(data: MetricData): Metric {
 
 /** All metrics that a trial may have, in the order of their description. */
 export let kMetrics: readonly Metric[] = [];
-let byKey = new Map<string, Metric>();
 
 export function describeMetrics(data: readonly MetricData[]): void {
   kMetrics = data.map(made);
-  byKey = new Map(kMetrics.map((of) => [of.key, of]));
 }
 
 export function metric(key: string): Metric {
-  return byKey.get(key) ?? made({ key, of: 'trial', name: key, unit: '', better: '', text: '' });
+  return kMetrics.find((of) => of.key === key) ?? made({ key, of: 'trial', name: key, unit: '', better: '', text: '' });
 }
 
 /** "time to goal [s]", for axes and table heads. */

@@ -98,10 +98,7 @@ export function player(model: Model): HTMLElement {
       ahead.hidden = ahead.textContent === '';
     }
     if (scene !== null) {
-      stage.dataset['positionErrorNow'] = String(scene.positionError());
-      stage.dataset['planned'] = String(scene.planned.length);
-      stage.dataset['occupied'] = String(scene.boxes.occupied);
-      stage.dataset['unseen'] = String(scene.boxes.unseen);
+      Object.assign(stage.dataset, { positionErrorNow: scene.positionError(), planned: scene.planned.length, ...scene.boxes });
     }
     rowWords.tell(scene?.rows ?? [], hasRows, sees, stage);
     draw();

@@ -25,11 +25,7 @@ interface RobotJson {
   sensors?: SensorJson[];
 }
 
-interface Joint {
-  name: string; type: string; parent: string; child: string;
-  origin: Matrix4; axis: Vector3; lower: number | null; upper: number | null;
-  mimic: { joint: string; multiplier: number; offset: number } | null;
-}
+type Joint = ReturnType<typeof readJoints>[number];
 
 interface Driven { name: string; lower: number; upper: number }
 
@@ -51,7 +47,7 @@ function number(element: Element | null, name: string): number | null {
   return text === null || text === undefined ? null : Number(text);
 }
 
-function readJoints(urdf: string): Joint[] {
+function readJoints(urdf: string) {
   const root = new DOMParser().parseFromString(urdf, 'application/xml').documentElement;
   const child = (of: Element, tag: string): Element | null => [...of.children].find((c) => c.tagName === tag) ?? null;
   return [...root.children].filter((c) => c.tagName === 'joint').map((element) => {

@@ -32,7 +32,7 @@ interface Tolerances { position: number; rotation: number }
 
 /** Columns of a motion's samples that may be added to the time line, with their names: those of joints have the joint's. */
 export function signals(trace: Trace, joints: readonly string[]): [column: string, name: string][] {
-  const base = trace.count('command') - joints.length;
+  const base = trace.names().filter((name) => /^command\d+$/.test(name)).length - joints.length;
   const shown = new Set(['t', ...kTracks.map((track) => track.column)]);
   return trace.names().filter((name) => !shown.has(name)).map((name) => {
     const [, stem = '', place = ''] = /^(q|qdot|command)(\d+)$/.exec(name) ?? [];

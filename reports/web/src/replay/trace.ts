@@ -24,13 +24,6 @@ export class Trace {
     return this.columns.has(name);
   }
 
-  /** How many columns there are of `stem`0, `stem`1 ... */
-  count(stem: string): number {
-    let n = 0;
-    while (this.has(`${stem}${n}`)) ++n;
-    return n;
-  }
-
   column(name: string): Float32Array {
     const found = this.columns.get(name);
     if (found === undefined) throw new Error(`the samples have no ${name}`);
