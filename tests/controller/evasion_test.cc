@@ -206,6 +206,19 @@ TEST(Evasion, ComesNearerOnlyAsFastAsItStops) {
   EXPECT_TRUE(far.passes(0.3));
 }
 
+TEST(Evasion, WaysOutAreNoFasterThanCommandsMayBe) {
+  for (const auto& model : {frankie(), mecanum()}) {
+    const VectorX acceleration = VectorX::Constant(model->num_velocities(), 5.0);
+    for (const double most : {0.3, model->base.max_linear}) {
+      const Evasion evasion(model, kParams, acceleration, 0.95, most, kPeriod);
+      double fastest = 0.0;
+      for (const Vector3& v : evasion.velocities()) fastest = std::max(fastest, v.head(model->base_dof() - 1).norm());
+      EXPECT_LE(fastest, most + 1e-12) << model->name;
+      EXPECT_GT(fastest, 0.5 * most) << model->name << ": wheels may allow less";
+    }
+  }
+}
+
 TEST(Evasion, LeavesWorldsAloneInWhichNothingMoves) {
   Rng rng(62);
   const auto model = frankie();

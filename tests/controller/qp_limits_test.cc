@@ -198,6 +198,7 @@ TEST(Limits, ABaseIsNoFasterThanItsRowsForesee) {
     const double speed = foreseen_speed(*model, full.collision);
     const VectorX all = VelocityBounds(*model, full, 0.02).speed();
     for (int i = 0; i + 1 < model->base_dof(); ++i) EXPECT_EQ(all[i], std::min(speed, model->velocity_limits()[i]));
+    EXPECT_EQ(bounded_speed(*model, full), speed) << model->name;
     if (model->base_dof() == 0) continue;
     double way = 0.1 * speed;
     constexpr double h = 1e-5;
