@@ -55,7 +55,7 @@ VelocityBounds::VelocityBounds(const RobotModel& model, const ControllerParams& 
     q_upper_[i] = model.joint(i).upper;
     part_[i] = limit_part(model.joint(i));
   }
-  for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = std::min(speed_[i], bounded_speed(model, params));
+  for (int i = 0; i + 1 < base_dof_; ++i) speed_[i] = bounded_speed(model, params);
   for (int i = 0; i < model.num_velocities(); ++i)
     if (!(i < base_dof_ ? hard_base_ : hard_joints_) && std::isfinite(params.acceleration_limit[i]))
       has_soft_acceleration_ = true;

@@ -175,8 +175,8 @@ struct Between {
   }
 };
 
-// What is near on one side takes nothing from the distance to what comes on the other: the ball before the robot comes
-// to 5 cm within the horizon if the robot stands, which is less than the margin.
+// A near object on one side takes nothing from the distance kept from another: the ball before the robot comes to 5 cm
+// within the horizon if the robot stands, which is less than the margin.
 TEST(Evasion, EachObjectHasADistanceOfItsOwn) {
   for (const double behind : {2.5, 0.03}) {
     Between scene(0.11, behind);

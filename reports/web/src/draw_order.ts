@@ -24,7 +24,7 @@ export function isNear(element: Element): boolean {
   return box.bottom > -kMargin && box.top < innerHeight + kMargin;
 }
 
-/** Drawn when the page is idle, too, and for paper. */
+/** Parts that wait: they are drawn when they are seen, when the page is idle, or for paper. */
 const figures: Element[] = [];
 
 function drawWaiting(element: Element): void {

@@ -55,7 +55,10 @@ export function figure(spec: FigureSpec): HTMLElement {
     if (chart === null) {
       replace(plot);
       chart = echarts.init(plot, null, { renderer: 'canvas', width, height });
-      chart.on('click', ({ data }) => { const of = (data as { of?: unknown } | undefined)?.of; if (of !== undefined) spec.click?.(of); });
+      chart.on('click', ({ data }) => {
+        const of = (data as { of?: unknown } | undefined)?.of;
+        if (of !== undefined) spec.click?.(of);
+      });
     } else if (chart.getWidth() !== width || chart.getHeight() !== height) {
       chart.getZr().resize({ width, height });   // the chart's own resize() would draw what is about to be replaced
     }

@@ -27,7 +27,14 @@ function measured<T>(draw: () => T): T {
   try {
     return draw();
   } finally {
-    if (canvas !== null) echarts.setPlatformAPI({ measureText: (text, font) => Object.assign(canvas, { font: font ?? '12px sans-serif' }).measureText(text ?? '') });
+    if (canvas !== null) {
+      echarts.setPlatformAPI({
+        measureText: (text, font) => {
+          canvas.font = font ?? '12px sans-serif';
+          return canvas.measureText(text ?? '');
+        },
+      });
+    }
   }
 }
 

@@ -58,7 +58,8 @@ export function view(): View {
   if (points.length > kColours) {   // colours go to those that are shown
     for (const s of points) s.mark = series.indexOf(s);
   }
-  return cached = { model, slice, family, families, all, series };
+  cached = { model, slice, family, families, all, series };
+  return cached;
 }
 
 /** Whether all series are shown unless the reader chooses among them. */
@@ -70,7 +71,8 @@ function fit(model: Model, slice: Slice, all: readonly Series[]): boolean {
 function shown(model: Model, slice: Slice, all: readonly Series[]): Series[] {
   const indices = state.get('show').split(',');
   const chosen = all.filter((s) => indices.includes(String(s.index)));
-  if (chosen.length > 0 || fit(model, slice, all)) return chosen.length > 0 ? chosen : [...all];
+  if (chosen.length > 0) return chosen;
+  if (fit(model, slice, all)) return [...all];
   const rate = new Map(all.map((s) => [s, rowOf(model, slice, '', s)?.success_rate ?? -1]));
   const best = [...all].sort((a, b) => rate.get(b)! - rate.get(a)!).slice(0, kMostSeries - 2);
   return all.filter((s) => best.includes(s));
