@@ -38,6 +38,7 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
     : params_(params.plan),
       escape_(params.escape),
       dt_(control_period),
+      budget_(std::clamp(std::lround(params.plan.rate * control_period), 1L, static_cast<long>(params.plan.budget))),
       mobile_(model->mobile()),
       keeps_upright_(params.upright.enabled),
       choice_(model, params),
@@ -256,33 +257,45 @@ void Lookahead::follow(const Observation& o, Following& following) noexcept {
 }
 
 void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
-  long budget = params_.budget - debt_;
+  long budget = budget_ - debt_;
   const long whole = budget;
   if (doing<GoingDirect>())
     work_direct(o, escape, budget);
   else if (doing<Following>())
     work_path(o, escape, budget);
   else if (doing<SettingOut>())
-    work_set_out(o, budget);
+    work_set_out(o, escape, budget);
   else
     work_choice(o, escape, budget);
   checks_ = whole - budget;
   debt_ = std::max(0L, -budget);
 }
 
-void Lookahead::work_set_out(const Observation& o, long& budget) noexcept {
-  if (job_ != Job::kSetOut) {
+// Looks for a direct way, and where none is free predicts the policy, which does not set out if it fails.
+void Lookahead::work_set_out(const Observation& o, const EscapeState& escape, long& budget) noexcept {
+  const bool late = state_.steps >= periods(params_.decisions.set_out_time);
+  if (job_ != Job::kSetOut && job_ != Job::kPredict) {
     choice_.begin_way(o);
     job_ = Job::kSetOut;
   }
-  if (choice_.direct_way().advance(budget) && state_.steps < periods(params_.decisions.set_out_time)) return;
-  job_ = Job::kNone;
-  if (choice_.direct_way().found()) {
-    state_.path = choice_.direct_way().path();
-    begin_path(PlanReason::kDirectWay);
-  } else {
-    go_direct(PlanReason::kStart, Detours::kKept);
+  if (job_ == Job::kSetOut) {
+    if (choice_.direct_way().advance(budget) && !late) return;
+    job_ = Job::kNone;
+    if (choice_.direct_way().found()) {
+      state_.path = choice_.direct_way().path();
+      begin_path(PlanReason::kDirectWay);
+      return;
+    }
   }
+  if (!late && !predict(o, escape, params_.horizon, budget)) return;
+  if (!late && rollout_.end() != RolloutEnd::kArrives) {
+    begin(Choosing{state_.steps, -1.0}, PlanReason::kFails);
+    return;
+  }
+  go_direct(PlanReason::kStart, Detours::kKept);
+  if (late) return;
+  predicted_from_ = state_.steps;  // the policy acts from the next step on
+  end_direct_prediction(false);
 }
 
 void Lookahead::work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept {

@@ -18,18 +18,18 @@ namespace moma {
 /// base and arm, which it plans (planner.h). The gains `plan.decisions` time all that follows.
 ///
 /// A step calls decide(), which depends on PlanState and the observation alone. Once the command is known, it calls
-/// work(), which spends at most `budget` checks on predictions and plans and leaves their results in the state for the
-/// next step. During a choice the policy goes on for a moment if its prediction is safe, and the choice takes effect at
-/// the end of that moment. Otherwise the robot stops and chooses at rest.
+/// work(), which spends at most `budget` checks, or its share of `rate`, on predictions and plans and leaves their
+/// results in the state for the next step. During a choice the policy goes on for a moment if its prediction is safe,
+/// and the choice takes effect at the end of that moment. Otherwise the robot stops and chooses at rest.
 ///
 /// At the start and after a jump of the goal, a robot at rest searches a direct way (direct_way.h) and follows it. If
-/// none is free, the look-ahead predicts the policy every `period` seconds. It begins a choice at the start, and if the
-/// policy stagnates or its prediction fails; else it looks for a direct way alone. A robot on a path searches one from
-/// where it will be in a moment, or a quicker path: every `period` seconds on a planned path, and at once if its goal
-/// jumps. If it finds none, the policy takes over once its prediction is quicker than the rest of the path. If the path
-/// is blocked or the robot makes no progress, the look-ahead chooses again. A goal in motion is the policy's as long as
-/// it is predicted to arrive or to pursue the goal; else a path to where the goal is expected brings the robot to where
-/// the policy arrives.
+/// none is free, it predicts the policy, and chooses at rest if that fails. The look-ahead predicts a policy that
+/// drives every `period` seconds. It begins a choice at the start, and if the policy stagnates or its prediction fails;
+/// else it looks for a direct way alone. A robot on a path searches one from where it will be in a moment, or a quicker
+/// path: every `period` seconds on a planned path, and at once if its goal jumps. If it finds none, the policy takes
+/// over once its prediction is quicker than the rest of the path. If the path is blocked or the robot makes no
+/// progress, the look-ahead chooses again. A goal in motion is the policy's as long as it is predicted to arrive or to
+/// pursue the goal; else a path to where the goal is expected brings the robot to where the policy arrives.
 ///
 /// One per controller. Only construction and reset() allocate.
 class Lookahead {
@@ -83,7 +83,7 @@ class Lookahead {
   void begin_path(PlanReason reason) noexcept;
   void place_end() noexcept;
   void follow(const Observation& o, Following& following) noexcept;
-  void work_set_out(const Observation& o, long& budget) noexcept;
+  void work_set_out(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void look_ahead_on_path(const Observation& o, double ahead) noexcept;
   bool work_way(const Observation& o, double rest, long& budget) noexcept;
   bool work_onward(const Observation& o, long& budget) noexcept;
@@ -108,6 +108,7 @@ class Lookahead {
   PlanParams params_;
   EscapeParams escape_;
   double dt_;
+  long budget_;  // checks in a step
   bool mobile_;
   bool keeps_upright_;
   Choice choice_;

@@ -270,6 +270,7 @@ constexpr void describe(auto& v, Of<DecisionParams>) {
 struct PlanParams {
   bool enabled = false;
   int budget = 600;
+  double rate = 1.5e5;
   double period = 0.5, horizon = 10.0, step = 0.04;
   double touch = 0.005;
   double roomy = 0.08, clearance = 0.035, self = 0.015;
@@ -299,7 +300,9 @@ struct PlanParams {
 constexpr void describe(auto& v, Of<PlanParams>) {
   using T = PlanParams;
   v.member("budget", &T::budget,
-           in_range({1.0, 1e7}, "", "checks in one control step, at most by one piece of work more"));
+           in_range({1.0, 1e7}, "", "most checks in one control step, and at most one piece of work more"));
+  v.member("rate", &T::rate,
+           unless_default(positive("1/s", "checks in a second: a fast loop does fewer in a step than plan.budget")));
   v.member("period", &T::period, positive("s", "interval between predictions"));
   v.member("horizon", &T::horizon, positive("s", "horizon of a prediction"));
   v.member("step", &T::step, positive("s", "control period of a prediction"));

@@ -345,6 +345,7 @@ TEST_P(Ahead, AStepFollowsFromMemory) {
     const Scene scene = !model->mobile() ? make_scene(model, seed, 12) : behind_a_wall(model, seed);
     ControllerParams params = read_params(*model, true);
     if (seed == 1) params.plan.budget = 20;  // so little that the robot comes to stand while it chooses
+    if (seed == 2) params.plan.direct = 0;   // the policy sets out at once
     Loop loop(model, params, scene);
     ControllerCore other(model, params, kPeriod);
     other.reset(scene.shapes);
@@ -405,6 +406,21 @@ TEST_P(Ahead, SetsOutAlongADirectWay) {
   EXPECT_LT(with, 0.97 * without);
 }
 
+// A robot at rest whose policy is predicted to fail stands until it has chosen a path.
+TEST_P(Ahead, APolicyThatFailsDoesNotSetOut) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Loop loop(model, read_params(*model, true), behind_a_wall(model, seed));
+    const PlanBrief& brief = loop.controller.lookahead()->state().brief;
+    int standing = 0;
+    for (loop.step(); loop.result.command.isZero(0.0) && standing < 100; loop.step()) ++standing;
+    EXPECT_LT(standing, 100) << "seed " << seed;
+    EXPECT_EQ(brief.mode, PlanMode::kFollow) << "seed " << seed;
+    EXPECT_EQ(brief.reason, PlanReason::kQuicker) << "seed " << seed;
+    EXPECT_EQ(brief.attempts, 1) << "seed " << seed;
+  }
+}
+
 // Towards a goal in motion the policy sets out; a robot in motion without a path has set out already.
 TEST_P(Ahead, SetsOutAtRestAndTowardsAGoalAtRest) {
   const Scene scene = make_scene(model, 2, 1);
@@ -457,10 +473,17 @@ TEST_P(Ahead, StepsTakeNoMemoryAndNoMoreThanTheBudget) {
   const Scene scene = !model->mobile() ? make_scene(model, 1, 12) : behind_a_wall(model, 1);
   ControllerParams params = read_params(*model, true);
   params.plan.budget = 300;
-  long most = 0, sum = 0;
+  long sum = 0;
   int taken = 0;
-  for (const int direct : {60, 0}) {
-    params.plan.direct = direct;
+  struct Work {
+    int direct;
+    double rate;
+    long checks;  // in a step
+  };
+  for (const Work& work : {Work{60, 1.5e5, 300}, Work{0, 1.5e5, 300}, Work{60, 100.0 / kPeriod, 100}}) {
+    params.plan.direct = work.direct;
+    params.plan.rate = work.rate;
+    long most = 0;
     Loop loop(model, params, scene);
     for (int i = 0; i < 400; ++i) {
       const NoAlloc guard;
@@ -472,10 +495,10 @@ TEST_P(Ahead, StepsTakeNoMemoryAndNoMoreThanTheBudget) {
       loop.step();
       sum += loop.controller.lookahead()->checks();
     }
+    EXPECT_LE(most, work.checks + 3 * (FreeSpace::kMostParts + 1));
   }
   EXPECT_EQ(taken, 0);
   EXPECT_GT(sum, 1000);
-  EXPECT_LE(most, params.plan.budget + 3 * (FreeSpace::kMostParts + 1));
 }
 
 // What comes to stand in a path's way is seen, and the path given up.
