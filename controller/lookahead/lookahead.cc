@@ -168,6 +168,13 @@ void Lookahead::place_end() noexcept {
   state_.brief.end = shift_.of(end).head<3>();
 }
 
+// False if the robot is farther from where the path begins than the path is from objects.
+bool Lookahead::begins_at(const Observation& o) const noexcept {
+  WholeConfiguration begin;
+  state_.path.at(0.0, begin);
+  return lag_behind(planner().limits(), params_, begin, o) <= state_.path.clearance;
+}
+
 void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3& R_WG) noexcept {
   choice_.set_goal_axes(R_WG);
   if (keeps_upright_) choice_.keep_upright(o.upright);
@@ -219,9 +226,10 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
     stop(PlanReason::kBesideGoal, -1.0);
   }
   if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
-    if (now->chosen && state_.path.meets == goal_moves)
+    const bool chosen = now->chosen && begins_at(o);
+    if (chosen && state_.path.meets == goal_moves)
       begin_path(brief.reason == PlanReason::kDirectWay ? brief.reason : PlanReason::kQuicker);
-    else if (now->chosen || brief.reason == PlanReason::kArrives)
+    else if (chosen || brief.reason == PlanReason::kArrives)
       begin(GoingDirect{}, brief.reason);
     else
       begin(Stopping{state_.steps + periods(params_.decisions.stop_time), now->direct_time}, brief.reason);

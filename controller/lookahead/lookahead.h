@@ -82,6 +82,7 @@ class Lookahead {
   void stop(PlanReason reason, double direct_time) noexcept;
   void begin_path(PlanReason reason) noexcept;
   void place_end() noexcept;
+  bool begins_at(const Observation& o) const noexcept;
   void follow(const Observation& o, Following& following) noexcept;
   void work_set_out(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void look_ahead_on_path(const Observation& o, double ahead) noexcept;

@@ -44,6 +44,15 @@ PlanarShift shift_of_goal(bool mobile, const Isometry& X_WG_then, const Isometry
   return shift;
 }
 
+double lag_behind(const MotionLimits& limits, const PlanParams& params, const WholeConfiguration& c,
+                  const Observation& o) noexcept {
+  double lag = params.follow.joint * (c.tail(limits.num_joints()) - o.q).lpNorm<Eigen::Infinity>();
+  if (limits.mobile())
+    lag = std::max(
+        {lag, (c.head<2>() - o.base.head<2>()).norm(), params.follow.heading * std::abs(wrapped(c[2] - o.base.z()))});
+  return lag;
+}
+
 FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, const Path& path, double t, double dt,
                        double most_rate, const PlanarShift& shift, const Observation& o, VectorX& u) noexcept {
   const int joints = limits.num_joints();
@@ -54,12 +63,8 @@ FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, con
   next = shift.of(next);
   const Vector2 way = here.head<2>() - o.base.head<2>();
   const double turn = wrapped(here[2] - o.base.z());
-  double joint = 0.0;
-  for (int i = 0; i < joints; ++i) joint = std::max(joint, std::abs(here[3 + i] - o.q[i]));
   FollowStep step;
-  step.lag =
-      std::max(params.follow.joint * joint,
-               !limits.mobile() ? 0.0 : std::max(std::hypot(way.x(), way.y()), params.follow.heading * std::abs(turn)));
+  step.lag = lag_behind(limits, params, here, o);
   step.rate = std::clamp(1.5 - step.lag / params.lag, 0.0, most_rate);
   const double per_second = step.rate / dt;
   const Eigen::Rotation2Dd R_BW(-o.base.z());

@@ -421,6 +421,31 @@ TEST_P(Ahead, APolicyThatFailsDoesNotSetOut) {
   }
 }
 
+// A path that was chosen in motion counts from where the robot was expected to be.
+TEST_P(Ahead, APathIsNotBegunFromElsewhere) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  ControllerParams params = read_params(*model, true);
+  params.plan.direct = 0;
+  int begun = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (const double aside : {0.0, 0.15}) {
+      Loop loop(model, params, make_scene(model, seed, 12));
+      const PlanState& state = loop.controller.lookahead()->state();
+      const auto begins = [&] {
+        const GoingOn* now = std::get_if<GoingOn>(&state.doing);
+        return now && now->chosen && state.steps == now->commit;
+      };
+      for (int i = 0; i < 100 && !begins(); ++i) loop.step();
+      if (!begins()) break;
+      loop.o.base.x() += aside;
+      loop.step();
+      EXPECT_EQ(state.brief.mode == PlanMode::kFollow, aside == 0.0) << "seed " << seed << ", " << aside << " m beside";
+      begun += state.brief.mode == PlanMode::kFollow ? 1 : 0;
+    }
+  }
+  EXPECT_GT(begun, 0);
+}
+
 // Towards a goal in motion the policy sets out; a robot in motion without a path has set out already.
 TEST_P(Ahead, SetsOutAtRestAndTowardsAGoalAtRest) {
   const Scene scene = make_scene(model, 2, 1);
