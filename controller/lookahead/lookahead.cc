@@ -38,7 +38,7 @@ Lookahead::Lookahead(std::shared_ptr<const RobotModel> model, const ControllerPa
     : params_(params.plan),
       escape_(params.escape),
       dt_(control_period),
-      budget_(std::clamp(std::lround(params.plan.rate * control_period), 1L, static_cast<long>(params.plan.budget))),
+      budget_(std::lround(std::clamp(params.plan.rate * control_period, 1.0, static_cast<double>(params.plan.budget)))),
       mobile_(model->mobile()),
       keeps_upright_(params.upright.enabled),
       choice_(model, params),
@@ -295,13 +295,10 @@ void Lookahead::work_set_out(const Observation& o, const EscapeState& escape, lo
       return;
     }
   }
-  if (!late && !predict(o, escape, params_.horizon, budget)) return;
-  if (!late && rollout_.end() != RolloutEnd::kArrives) {
-    begin(Choosing{state_.steps, -1.0}, PlanReason::kFails);
-    return;
-  }
+  if (late) return go_direct(PlanReason::kStart, Detours::kKept);
+  if (!predict(o, escape, params_.horizon, budget)) return;
+  if (rollout_.end() != RolloutEnd::kArrives) return begin(Choosing{state_.steps, -1.0}, PlanReason::kFails);
   go_direct(PlanReason::kStart, Detours::kKept);
-  if (late) return;
   predicted_from_ = state_.steps;  // the policy acts from the next step on
   end_direct_prediction(false);
 }
