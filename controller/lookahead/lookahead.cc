@@ -172,7 +172,7 @@ void Lookahead::place_end() noexcept {
 bool Lookahead::begins_at(const Observation& o) const noexcept {
   WholeConfiguration begin;
   state_.path.at(0.0, begin);
-  return lag_behind(planner().limits(), params_, begin, o) <= state_.path.clearance;
+  return path_lag(planner().limits(), params_, begin, o) <= state_.path.clearance;
 }
 
 void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3& R_WG) noexcept {

@@ -44,8 +44,8 @@ PlanarShift shift_of_goal(bool mobile, const Isometry& X_WG_then, const Isometry
   return shift;
 }
 
-double lag_behind(const MotionLimits& limits, const PlanParams& params, const WholeConfiguration& c,
-                  const Observation& o) noexcept {
+double path_lag(const MotionLimits& limits, const PlanParams& params, const WholeConfiguration& c,
+                const Observation& o) noexcept {
   double lag = params.follow.joint * (c.tail(limits.num_joints()) - o.q).lpNorm<Eigen::Infinity>();
   if (limits.mobile())
     lag = std::max(
@@ -64,7 +64,7 @@ FollowStep follow_path(const MotionLimits& limits, const PlanParams& params, con
   const Vector2 way = here.head<2>() - o.base.head<2>();
   const double turn = wrapped(here[2] - o.base.z());
   FollowStep step;
-  step.lag = lag_behind(limits, params, here, o);
+  step.lag = path_lag(limits, params, here, o);
   step.rate = std::clamp(1.5 - step.lag / params.lag, 0.0, most_rate);
   const double per_second = step.rate / dt;
   const Eigen::Rotation2Dd R_BW(-o.base.z());

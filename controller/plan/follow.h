@@ -28,10 +28,10 @@ struct FollowStep {
   double lag = 0.0;   ///< distance of the robot from its target on the path [m]
 };
 
-/// Returns how far a robot at `o` is from a configuration: the largest of the base's distance, of the errors of heading
-/// and joints, in units of FollowParams [m].
-double lag_behind(const MotionLimits& limits, const PlanParams& params, const WholeConfiguration& c,
-                  const Observation& o) noexcept;
+/// Returns the lag of a robot at `o` behind a configuration `c` of a path: the largest of the base's distance and of
+/// the errors of its heading and joints, these times the gains `plan.follow` [m].
+double path_lag(const MotionLimits& limits, const PlanParams& params, const WholeConfiguration& c,
+                const Observation& o) noexcept;
 
 /// Computes the velocities `u` of base and joints at time t of the path for a robot at `o`. The clock's rate is
 /// clip(1.5 - lag / params.lag, 0, most_rate). With the path's velocity v_r, omega_r and the errors e_x, e_y in base

@@ -14,6 +14,7 @@ namespace {
 
 // Contribution of noise to every misfit: (0.01 m/s)^2 + (0.01 rad/s)^2, and the same for joints.
 constexpr double kFloor = 2e-4;
+constexpr double kPartOfPeriod = 0.35;
 
 // Noise of a velocity by which gains are judged, and the bounds of a gain.
 constexpr double kVelocityNoise = 0.01;
@@ -150,16 +151,31 @@ void Predictor::follow_command() noexcept {
 }
 
 // Finds round trip and drive together: a slow drive that is as late as it was said to be, and a quick one that is
-// later, look alike for a while, and one after the other each would take what is the other's.
+// later, look alike for a while, and one after the other each would take what is the other's. What is late by a part of
+// a period, more or less, is no misfit, and another drive has to be clearly better than the present one of any
+// lateness.
 bool Predictor::identify_base(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
   const EstimationParams& e = params_.estimation;
   for (int i = 0; i < kNumDrives; ++i)
-    for (int age = 0; age < tried_; ++age)
-      settle(m.base_trip.misfit, i * tried_ + age,
-             (o.qdot.head(base_dof_) - driven(i, age).head(base_dof_)).squaredNorm(), dt_ / e.forget);
-  const int best = chosen(m.base_trip.misfit, m.drive * tried_ + m.base_trip.periods, kFloor, e.better);
-  const int drive = best / tried_, trip = best % tried_;
+    for (int age = 0; age < tried_; ++age) {
+      const Vector3& then = driven(i, age);
+      const Vector3 later = then + kPartOfPeriod * (driven(i, std::max(age - 1, 0)) - then);
+      const Vector3 earlier = then + kPartOfPeriod * (driven(i, std::min(age + 1, tried_ - 1)) - then);
+      double misfit = 0.0;
+      for (int k = 0; k < base_dof_; ++k) {
+        const auto [low, high] = std::minmax(later[k], earlier[k]);
+        const double off = o.qdot[k] - std::clamp(o.qdot[k], low, high);
+        misfit += off * off;
+      }
+      settle(m.base_trip.misfit, i * tried_ + age, misfit, dt_ / e.forget);
+    }
+  const auto present = m.base_trip.misfit.segment(m.drive * tried_, tried_);
+  Eigen::Index nearest = 0;
+  present.minCoeff(&nearest);
+  const int best = chosen(m.base_trip.misfit, m.drive * tried_ + static_cast<int>(nearest), kFloor, e.better);
+  const int drive = best / tried_;
+  const int trip = drive == m.drive ? chosen(present, m.base_trip.periods, kFloor, e.better) : best % tried_;
   if (drive != m.drive) {
     m.drive = drive;
     m.slowing = std::min(m.slowing, kDrives[at(drive)].slowing);

@@ -29,7 +29,7 @@ inline void settle(VectorX& misfit, int candidate, double squared, double part) 
 }
 
 /// Returns the candidate with the least misfit if it is clearly better than the present one, else that.
-inline int chosen(const VectorX& misfit, int present, double floor, double better) noexcept {
+inline int chosen(const Eigen::Ref<const VectorX>& misfit, int present, double floor, double better) noexcept {
   Eigen::Index best = 0;
   return misfit.minCoeff(&best) + floor < better * (misfit[present] + floor) ? static_cast<int>(best) : present;
 }

@@ -171,6 +171,35 @@ TEST(Predictor, FindsHowTheBasesDriveFollows) {
   }
 }
 
+// A base that is late by a part of a period, along a trapezoid of the file's acceleration: it is no slow one.
+TEST(Predictor, TakesNoBaseForSlowThatIsLateByAPartOfAPeriod) {
+  for (const auto& model : {frankie(), mecanum()}) {
+    for (const double part : {0.0, 0.3, 0.5, 0.8}) {
+      PredictionParams params = known({3, 1, 1, 0});
+      params.identify = true;
+      Predictor predictor(*model, params, {}, 0.0, kPeriod);
+      predictor.reset({});
+      Observation o;
+      o.base.setZero();
+      o.q = model->ready;
+      o.qdot = VectorX::Zero(model->num_velocities());
+      VectorX command = o.qdot, sent = o.qdot, before = o.qdot;
+      const double step = 0.95 * kPeriod * model->base.max_acceleration.x();
+      for (int k = 0; k < 100; ++k) {
+        predictor.predict(o);
+        command[0] = std::clamp(command[0] + (k < 60 ? step : -step), 0.0, 0.9);
+        before = sent;
+        predictor.send(command, sent);
+        o.qdot[0] = (1.0 - part) * sent[0] + part * before[0];
+        o.base.x() += kPeriod * o.qdot[0];
+        o.time += kPeriod;
+        ASSERT_EQ(predictor.drive().slowing, 1.0) << model->name << ", step " << k << ", " << part << " of a period";
+      }
+      EXPECT_EQ(predictor.drive().speeding, 1.0);
+    }
+  }
+}
+
 // A base with a third of its accelerations, asked for what its file says: commands that start from the predicted
 // velocity run ahead of the base without the observer.
 TEST(Predictor, CommandsStartFromWhatASlowBaseDoes) {
