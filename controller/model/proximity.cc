@@ -121,8 +121,13 @@ struct Proximity::Impl {
         for (const Around& object : near) {
           if (box.squaredExteriorDistance(object.box) > reach) continue;
           const std::size_t j = object.object;
-          if (!counts(i, static_cast<int>(j))) continue;
-          const auto d = within(solid(i), robot_X_WS[i], objects[j], held[j].X_WO, ranges.of(held[j]));
+          const bool rests = ranges.raised >= 0.0 && model->stands_on(static_cast<int>(i), static_cast<int>(j));
+          if (!rests && !counts(i, static_cast<int>(j))) continue;
+          const double up = rests ? ranges.raised : 0.0;
+          Isometry X_WS = robot_X_WS[i];
+          X_WS.translation().z() += up;
+          auto d = within(solid(i), X_WS, objects[j], held[j].X_WO, ranges.of(held[j]));
+          if (d) d->p_first_W.z() -= up;
           if (d && !found(ProximityPair{PairKind::kObject, static_cast<int>(i), static_cast<int>(j), *d})) return;
         }
       }

@@ -77,14 +77,16 @@ struct ProximityRanges {
   double floor = -1.0;
   double self = -1.0;
   double unseen = std::numeric_limits<double>::infinity();
+  /// Height by which the carried object counts as raised above the object that it stands on; negative: no such pair.
+  double raised = -1.0;
 
   double of(const ObjectState& state) const noexcept { return state.seen ? object : std::min(object, unseen); }
 };
 
 /// Distances between a robot's shapes, a set of objects, the floor (z = 0) and the robot itself, by coal after a broad
 /// phase of bounding spheres. The object that the model carries is no obstacle but the robot's last shape; between it
-/// and its support there is no distance. One per worker. set_objects() may allocate; query() neither allocates nor
-/// throws.
+/// and its support there is none but that of ProximityRanges::raised. One per worker. set_objects() may allocate;
+/// query() neither allocates nor throws.
 class Proximity {
  public:
   explicit Proximity(std::shared_ptr<const RobotModel> model);

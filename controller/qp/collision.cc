@@ -6,6 +6,14 @@
 #include "controller/safe/goal_clearance.h"
 
 namespace moma {
+namespace {
+
+// Height above its support at which the carried object counts: about the rows' stop distance, so that they hold it
+// where it stands, and lift it where it is pressed in [m].
+constexpr double kRaised = 0.03;
+
+}  // namespace
+
 double approach_speed(const DamperParams& params, double d) noexcept {
   return params.gain * (d - params.stop) / (params.influence - params.stop);
 }
@@ -42,7 +50,8 @@ ProximityRanges CollisionRows::ranges() const noexcept {
   return {.object = range(params_.object),
           .floor = range(params_.floor),
           .self = range(params_.self),
-          .unseen = unseen_.influence};
+          .unseen = unseen_.influence,
+          .raised = kRaised};
 }
 
 void CollisionRows::keep_from_resting(double hand, double arm, double rate) noexcept {
