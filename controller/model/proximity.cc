@@ -52,9 +52,9 @@ struct Proximity::Impl {
   }
   // Number of shapes that are there.
   std::size_t present() const noexcept { return robot.size() - (model->spare && carried() < 0 ? 1 : 0); }
-  bool counts(std::size_t i, int second) const noexcept {
-    return i < present() && (second < 0 || second != carried()) && !model->stands_on(static_cast<int>(i), second);
-  }
+  bool there(std::size_t i, int second) const noexcept { return i < present() && (second < 0 || second != carried()); }
+  bool stands_on(std::size_t i, int second) const noexcept { return model->stands_on(static_cast<int>(i), second); }
+  bool counts(std::size_t i, int second) const noexcept { return there(i, second) && !stands_on(i, second); }
 
   // Returns the distance if it is less than `range`, after cheap lower bounds.
   std::optional<Distance> within(const Solid& a, const Isometry& X_Wa, const Solid& b, const Isometry& X_Wb,
@@ -62,6 +62,15 @@ struct Proximity::Impl {
     if (apart(a, X_Wa, b, X_Wb, range)) return {};
     const Distance distance = signed_distance(a, X_Wa, b, X_Wb, *convex);
     if (!(distance.d < range)) return {};
+    return distance;
+  }
+
+  // Returns the distance of a shape from the held object that it stands on as if it were raised above that.
+  std::optional<Distance> above_support(std::size_t i, std::size_t j, const ProximityRanges& ranges) noexcept {
+    Isometry X_WS = robot_X_WS[i];
+    X_WS.translation().z() += ranges.raised;
+    auto distance = within(solid(i), X_WS, objects[j], held[j].X_WO, ranges.of(held[j]));
+    if (distance) distance->p_first_W.z() -= ranges.raised;
     return distance;
   }
 
@@ -121,13 +130,11 @@ struct Proximity::Impl {
         for (const Around& object : near) {
           if (box.squaredExteriorDistance(object.box) > reach) continue;
           const std::size_t j = object.object;
-          const bool rests = ranges.raised >= 0.0 && model->stands_on(static_cast<int>(i), static_cast<int>(j));
-          if (!rests && !counts(i, static_cast<int>(j))) continue;
-          const double up = rests ? ranges.raised : 0.0;
-          Isometry X_WS = robot_X_WS[i];
-          X_WS.translation().z() += up;
-          auto d = within(solid(i), X_WS, objects[j], held[j].X_WO, ranges.of(held[j]));
-          if (d) d->p_first_W.z() -= up;
+          if (!there(i, static_cast<int>(j))) continue;
+          const bool rests = stands_on(i, static_cast<int>(j));
+          if (rests && ranges.raised < 0.0) continue;
+          const auto d = rests ? above_support(i, j, ranges)
+                               : within(solid(i), robot_X_WS[i], objects[j], held[j].X_WO, ranges.of(held[j]));
           if (d && !found(ProximityPair{PairKind::kObject, static_cast<int>(i), static_cast<int>(j), *d})) return;
         }
       }

@@ -14,6 +14,8 @@ namespace {
 
 // Contribution of noise to every misfit: (0.01 m/s)^2 + (0.01 rad/s)^2, and the same for joints.
 constexpr double kFloor = 2e-4;
+
+// Part of a period by which a velocity may be earlier or later than a whole number of periods without a misfit.
 constexpr double kPartOfPeriod = 0.35;
 
 // Noise of a velocity by which gains are judged, and the bounds of a gain.

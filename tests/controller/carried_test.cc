@@ -23,6 +23,16 @@ Isometry in_hand() {
   return X;
 }
 
+// A robot at rest with its arm ready, and E at its goal.
+Observation at_ready(const RobotModel& model, Kinematics& kinematics) {
+  Observation o;
+  o.q = model.ready;
+  o.qdot = VectorX::Zero(model.num_velocities());
+  kinematics.update(o.base, o.q);
+  o.goal.X_WG = kinematics.X_WE();
+  return o;
+}
+
 TEST(Carried, IsAShapeOfTheHandAndNoObstacle) {
   const auto plain = load_model("configs/robots/frankie.yaml");
   const auto model = with_spare_shape(*plain);
@@ -157,11 +167,7 @@ TEST(Carried, HasRowsOfItsOwn) {
   params.collision.object = {true, 0.3, 0.02, 1.0};
   ControllerCore controller(model, params, 0.02);
   Kinematics kinematics(model);
-  Observation o;
-  o.q = model->ready;
-  o.qdot = VectorX::Zero(model->num_velocities());
-  kinematics.update(o.base, o.q);
-  o.goal.X_WG = kinematics.X_WE();
+  Observation o = at_ready(*model, kinematics);
   o.goal.X_WG.translation().x() += 0.5;
   const std::vector<ObjectShape> shapes{{"cup", make_box(0.06, 0.06, 0.06)}, {"wall", make_sphere(0.05)}};
   controller.reset(shapes);
@@ -216,10 +222,7 @@ TEST(Carried, IsNotPressedIntoItsSupport) {
   params.collision.object = {true, 0.3, 0.03, 0.6};
   ControllerCore controller(model, params, 0.02);
   Kinematics kinematics(model);
-  Observation o;
-  o.q = model->ready;
-  o.qdot = VectorX::Zero(model->num_velocities());
-  kinematics.update(o.base, o.q);
+  Observation o = at_ready(*model, kinematics);
   const Vector3 hand = kinematics.X_WE().translation();
   Isometry X_WO = Isometry::Identity();
   X_WO.translation() = hand - Vector3(0.0, 0.0, 0.05);
@@ -228,7 +231,6 @@ TEST(Carried, IsNotPressedIntoItsSupport) {
   o.objects.resize(2);
   o.objects[1].X_WO.translation() = hand - Vector3(0.0, 0.0, 0.09 - 0.003);
   o.carried = Carried{0, kinematics.X_WE().inverse(Eigen::Isometry) * X_WO, 1};
-  o.goal.X_WG = kinematics.X_WE();
   o.goal.X_WG.translation() += Vector3(0.05, 0.1, -0.2);
   StepResult result;
   controller.prepare(result);
