@@ -131,13 +131,14 @@ constexpr void describe(auto& v, Of<SearchParams>) {
 
 /// Routes of a base (plan/route.h) and motion past the corners of a path (plan/smooth_path.h), for robots that drive.
 struct SmoothParams {
-  int routes = 4;
+  int routes = 16;
   double cell = 0.2, near = 0.3;
-  int tries = 20;
+  int tries = 100, tries_moving = 300;
   double early = 0.5, late = 0.2;
   double gain = 0.03, slower = 2.0;
   double aside = 1.0, aside_last = 0.15;
   double past = 0.15, turning = 0.9;
+  double moves = 0.8, farthest = 0.5;
   double leave_out = 0.6;
   double check = 0.7;
 };
@@ -150,6 +151,8 @@ constexpr void describe(auto& v, Of<SmoothParams>) {
   v.member("near", &T::near, positive("m", "distance from a goal configuration's place at which a route ends"));
   v.member("tries", &T::tries,
            in_range({0.0, 1e4}, "", "motions tried past the corners of a path; 0: it stops at each"));
+  v.member("tries_moving", &T::tries_moving,
+           unless_default(in_range({0.0, 1e4}, "", "the same of a robot in motion, which does not wait for them")));
   v.member("early", &T::early, non_negative("s", "time before a corner at which the robot turns to the next one"));
   v.member("late", &T::late, non_negative("s", "the same where that is not free, before it stops at the corner"));
   v.member("gain", &T::gain, non_negative("s", "time by which a further motion is quicker"));
@@ -162,7 +165,9 @@ constexpr void describe(auto& v, Of<SmoothParams>) {
   v.member("past", &T::past,
            unless_default(non_negative("m", "distance at which a base that turns about a corner gives it up")));
   v.member("turning", &T::turning, unless_default(share("share of its angular speed with which it then turns")));
-  v.member("leave_out", &T::leave_out, unless_default(share("share of a corner's variations that leave it out")));
+  v.member("moves", &T::moves, unless_default(share("share of a corner's variations that move it")));
+  v.member("farthest", &T::farthest, unless_default(non_negative("m", "farthest move of the base's place at it")));
+  v.member("leave_out", &T::leave_out, unless_default(share("share of the others that leave it out")));
   v.member("check", &T::check,
            unless_default(positive_share("way between two checks of such a motion, in units of plan.check_step")));
 }

@@ -181,7 +181,7 @@ void Planner::work() noexcept {
     case PlanStage::kRoute:
       if (const Progress progress = route_.advance(space_); progress == Progress::kFound) {
         ++routes_;
-        smooth_.begin(route_.corners(), braking_, within_);
+        smooth_.begin(route_.corners(), braking_, within_ + braking_.time);
         stage_ = PlanStage::kSmooth;
       } else if (progress == Progress::kNone) {
         begin_runs();
@@ -454,7 +454,7 @@ void Planner::begin_smooth() noexcept {
   corners_.push_back(best_[0].a);
   for (const Edge& edge : best_.all()) corners_.push_back(edge.b);
   routes_ = 0;
-  smooth_.begin(corners_, braking_, std::min(path_.duration, within_));
+  smooth_.begin(corners_, braking_, std::min(path_.duration, within_ + braking_.time));
   stage_ = PlanStage::kSmooth;
 }
 

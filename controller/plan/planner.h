@@ -60,9 +60,9 @@ class Planner {
   /// Keeps the tool upright in the plans that begin from now on.
   void keep_upright(const std::optional<Upright>& upright) noexcept;
   /// Begins a plan from `start`, where the robot rests after `braking`, among visible objects at rest. Its path
-  /// includes the braking. The plan fails if it finds no path quicker than `within` [s]. If goal and objects are those
-  /// of the last plan, it keeps that plan's goal configurations and their tree and continues in its tier, with twice
-  /// the work if it failed.
+  /// includes the braking. The plan fails if it finds no path that takes less than `within` seconds after the braking.
+  /// If goal and objects are those of the last plan, it keeps that plan's goal configurations and their tree and
+  /// continues in its tier, with twice the work if it failed.
   void begin(const WholeConfiguration& start, const Isometry& X_WG, std::span<const ObjectState> objects,
              std::uint64_t seed, double within = kInfinity, const Braking& braking = {},
              const FreeDirections& free = {}) noexcept;

@@ -15,7 +15,8 @@ constexpr double kThere = 0.003;                        // distance of what is r
 constexpr double kNoSteering = 0.05;                    // distance from which on the base does not steer any more [m]
 constexpr double kAligned = 0.02;                       // turned to the next corner, after a stop [rad]
 constexpr double kSlowest = 0.02;                       // speed up to a stop [m/s]
-constexpr double kRest = 0.05;                          // velocities of a robot that has stopped [m/s, rad/s]
+constexpr double kMostTakenOn = 0.5;                    // share of the arm's way to a corner beside it
+constexpr double kRest = 0.03;                          // velocities of a robot that has stopped [m/s, rad/s]
 
 // Speed with which a motion stops within `room`, and does not overrun it in a step.
 double slowing(double room, double deceleration) noexcept {
@@ -26,65 +27,71 @@ double slowing(double room, double deceleration) noexcept {
 
 SmoothPath::SmoothPath(const MotionLimits& limits, const PlanParams& params, FreeSpace& space, const WholeBodyIk& ik)
     : limits_(limits), params_(params), space_(space), ik_(ik) {
-  corners_.reserve(kMostCorners);
-  best_.reserve(kMostCorners);
   const WholeConfiguration zero = WholeConfiguration::Zero(3 + limits.num_joints());
-  moments_.reserve(kMostSimulated + 1);
+  for (Motion* motion : {&now_, &best_}) {
+    motion->corners.reserve(kMostCorners);
+    motion->legs.resize(kMostCorners);
+    motion->moments.reserve(kMostSimulated + 1);
+  }
   start_ = {zero, zero};
   arm_end_ = VectorX::Zero(limits.num_joints());
 }
 
 void SmoothPath::begin(std::span<const WholeConfiguration> corners, const Braking& braking, double within) noexcept {
-  corners_.clear();
-  best_.clear();
+  now_.corners.clear();
+  best_.corners.clear();
   stage_ = corners.size() > kMostCorners ? Stage::kFailed : Stage::kTry;
   if (stage_ == Stage::kFailed) return;
-  for (const WholeConfiguration& c : corners) corners_.push_back({c});
+  for (const WholeConfiguration& c : corners) now_.corners.push_back({c});
   X_WE_ = space_.place(corners.back()).X_WE();
   braking_ = braking;
   start_.c = braking.time > 0.0 ? braking.from : corners.front();
   start_.v.setZero();
   if (braking.time > 0.0) start_.v = 2.0 / braking.time * (corners.front() - braking.from);
   within_ = limit_ = within;
+  from_ = 0.0;
   tries_ = 0;
   draws_ = {};
 }
 
 void SmoothPath::finish() noexcept {
-  stage_ = best_.empty() || !(best_path_.duration < limit_) ? Stage::kFailed : Stage::kFound;
+  stage_ = best_.corners.empty() || !(best_.path.duration < limit_) ? Stage::kFailed : Stage::kFound;
 }
 
 bool SmoothPath::work() noexcept {
   if (stage_ == Stage::kTry) {
-    checked_ = 0.0;
-    if (tries_++ >= params_.smooth.tries)
+    const bool first = best_.corners.empty();
+    if (tries_++ >= (start_.moves() ? params_.smooth.tries_moving : params_.smooth.tries))
       finish();
-    else if (!best_.empty())
-      vary();
-    else
-      stage_ = aim() ? Stage::kCheck : Stage::kFailed;
+    else if (const std::size_t leg = first ? 1 : vary(); leg > 0 && aim(leg))
+      stage_ = Stage::kCheck;
+    else if (first)
+      stage_ = Stage::kFailed;
+    checked_ = from_;
     return stage_ == Stage::kTry || stage_ == Stage::kCheck;
   }
   if (stage_ != Stage::kCheck) return false;
   constexpr int kAtOnce = 16;
+  const double end = now_.path.duration, all = from_ + end;
+  const auto moment = [&](WholeConfiguration& c) { now_.path.at(checked_ > end ? checked_ - end : checked_, c); };
   WholeConfiguration before, c;
-  path_.at(checked_, before);
+  moment(before);
   for (int k = 0; k < kAtOnce;) {
-    checked_ = std::min(checked_ + kDriveStep, path_.duration);
-    path_.at(checked_, c);
-    if (limits_.travel(c - before) < params_.smooth.check * params_.check_step && checked_ < path_.duration) continue;
+    checked_ = std::min(checked_ + kDriveStep, checked_ < end ? end : all);
+    moment(c);
+    const bool last = checked_ == end || checked_ == all;
+    if (limits_.travel(c - before) < params_.smooth.check * params_.check_step && !last) continue;
     ++k;
     before = c;
     if (!space_.free(c)) {
       stage_ = Stage::kTry;
-      if (best_.empty()) tighten(checked_);
+      if (best_.corners.empty()) tighten(checked_);
       return stage_ == Stage::kTry;
     }
-    if (checked_ < path_.duration) continue;
+    if (checked_ < all) continue;
     stage_ = Stage::kTry;
-    best_ = corners_;
-    best_path_ = path_;
-    within_ = path_.duration - params_.smooth.gain;
+    best_ = now_;
+    within_ = end - params_.smooth.gain;
     return true;
   }
   return true;
@@ -93,14 +100,14 @@ bool SmoothPath::work() noexcept {
 // Lets the robot pass one of the two corners that it is between later: the nearer one in time, if that is possible.
 void SmoothPath::tighten(double t) noexcept {
   const int i = std::clamp(static_cast<int>(t / kDriveStep), 1, steps());
-  const auto target = [&](int step) { return moments_[static_cast<std::size_t>(step)].target; };
+  const auto target = [&](int step) { return now_.moments[static_cast<std::size_t>(step)].target; };
   const int next = target(i);
   int first = i, last = i;
   while (first > 1 && target(first - 1) == next) --first;
   while (last < steps() && target(last + 1) == next) ++last;
-  Corner& before = corners_[static_cast<std::size_t>(next - 1)];
-  Corner& after = corners_[static_cast<std::size_t>(next)];
-  const int most = &after == &corners_.back() ? kLate : kStop;
+  Corner& before = now_.corners[static_cast<std::size_t>(next - 1)];
+  Corner& after = now_.corners[static_cast<std::size_t>(next)];
+  const int most = &after == &now_.corners.back() ? kLate : kStop;
   if ((i - first < last - i || after.passing >= most) && before.passing < kStop)
     ++before.passing;
   else if (after.passing < most)
@@ -109,35 +116,55 @@ void SmoothPath::tighten(double t) noexcept {
     stage_ = Stage::kFailed;
 }
 
-// Leaves out a corner of the best path, or passes it sooner.
-void SmoothPath::vary() noexcept {
-  corners_ = best_;
-  const std::size_t n = corners_.size(), k = draws_.choice(n);
+// Makes now_ of the best motion: leaves out one of its corners, moves it, or passes it sooner. Returns the first leg
+// that differs, or 0 if none does.
+std::size_t SmoothPath::vary() noexcept {
+  now_.corners = best_.corners;
+  std::vector<Corner>& corners = now_.corners;
+  const std::size_t n = corners.size(), k = draws_.choice(n);
   const bool inner = k > 0 && k + 1 < n;
-  if (inner && (corners_[k].passing == kEarly || draws_.uniform() < params_.smooth.leave_out)) {
-    corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(k));
-    if (draws_.uniform() < 0.5) corners_[k - 1].passing = kEarly;
-  } else if (corners_[k].passing > kEarly) {
-    --corners_[k].passing;
+  std::size_t leg = std::max<std::size_t>(k, 1);
+  if (k > 0 && draws_.uniform() < params_.smooth.moves) {
+    move(k);
+  } else if (inner && (corners[k].passing == kEarly || draws_.uniform() < params_.smooth.leave_out)) {
+    corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(k));
+    if (draws_.uniform() < 0.5) corners[k - 1].passing = kEarly;
+    leg = std::max<std::size_t>(k - 1, 1);
+  } else if (corners[k].passing > kEarly) {
+    --corners[k].passing;
   } else {
-    return;
+    return 0;
   }
-  if (aim()) stage_ = Stage::kCheck;
+  return leg;
 }
 
-// Simulates the motion, and makes the path of it that ends with E at the goal. If the arm does not reach the goal from
-// where the base stops, the base comes nearer to the end's own configuration.
-bool SmoothPath::aim() noexcept {
-  Corner& last = corners_.back();
-  Corner& before = corners_[corners_.size() - 2];
+// Moves the base's place at a corner. The arm at it takes on some of what it has at a corner beside it.
+void SmoothPath::move(std::size_t corner) noexcept {
+  Corner& moved = now_.corners[corner];
+  const double most = params_.smooth.farthest * draws_.uniform();
+  for (int i = 0; i < 2; ++i) moved.c[i] += draws_.uniform(-most, most);
+  if (corner + 1 == now_.corners.size()) return;
   const Eigen::Index joints = limits_.num_joints();
-  const double most = best_.empty() ? params_.smooth.slower * within_ : within_;
+  const double part = draws_.uniform(0.0, kMostTakenOn);
+  const Corner& other = now_.corners[draws_.uniform() < 0.5 ? corner - 1 : corner + 1];
+  moved.c.tail(joints) += part * (other.c - moved.c).tail(joints);
+  if (draws_.uniform() < 0.5 && moved.passing > kEarly) --moved.passing;
+}
+
+// Simulates the motion from a leg on, and makes the path of it that ends with E at the goal. If the arm does not reach
+// the goal from where the base stops, the base comes nearer to the end's own configuration.
+bool SmoothPath::aim(std::size_t leg) noexcept {
+  Corner& last = now_.corners.back();
+  Corner& before = now_.corners[now_.corners.size() - 2];
+  const Eigen::Index joints = limits_.num_joints();
+  const double most = best_.corners.empty() ? params_.smooth.slower * within_ : within_;
+  resume(leg);
   while (true) {
     arm_end_ = last.c.tail(joints);
     bool reached = true;
     for (const double aside : {params_.smooth.aside, params_.smooth.aside_last}) {
-      if (!simulate() || !(steps() * kDriveStep < most)) return false;
-      WholeConfiguration c = at_;
+      if (!simulate(leg) || !(steps() * kDriveStep < most)) return false;
+      WholeConfiguration c = robot_.at;
       c.tail(joints) = arm_end_;
       reached = ik_.solve(space_, X_WE_, c, false);
       if (!reached) break;
@@ -145,35 +172,56 @@ bool SmoothPath::aim() noexcept {
       reached = (c.tail(joints) - arm_end_).lpNorm<Eigen::Infinity>() < aside;
       if (!reached) break;
       arm_end_ = c.tail(joints);
+      leg = now_.corners.size() - 1;
     }
     if (reached) {
       lay();
       return true;
     }
-    if (last.passing == kEarly && limits_.base->nonholonomic())
+    if (last.passing == kEarly && limits_.base->nonholonomic()) {
       last.passing = kLate;
-    else if (before.passing < kStop)
+      leg = now_.corners.size() - 1;
+    } else if (before.passing < kStop) {
       before.passing = kStop;
-    else
+      leg = std::max<std::size_t>(now_.corners.size() - 2, 1);
+    } else {
       return false;
+    }
   }
 }
 
-bool SmoothPath::simulate() noexcept {
-  moments_.clear();
-  at_ = start_.c;
-  target_ = 0;
-  log();
-  u_ = start_.v;
-  if (limits_.base->nonholonomic()) {
-    const Vector2 v = driving_speeds(start_);
-    u_.head<3>() << v[0], 0.0, v[1];
+// Goes on from the best motion, as far as that is the same.
+void SmoothPath::resume(std::size_t leg) noexcept {
+  from_ = 0.0;
+  if (leg < 2) return;
+  const int steps = best_.legs[leg].steps;
+  from_ = steps * kDriveStep;
+  std::copy_n(best_.legs.begin(), leg + 1, now_.legs.begin());
+  now_.moments.assign(best_.moments.begin(), best_.moments.begin() + steps + 1);
+}
+
+bool SmoothPath::simulate(std::size_t leg) noexcept {
+  bool goes = true;
+  if (leg < 2) {
+    now_.moments.clear();
+    robot_ = {start_.c, start_.v, now_.corners.front().passing < kStop};
+    if (limits_.base->nonholonomic()) {
+      const Vector2 v = driving_speeds(start_);
+      robot_.u.head<3>() << v[0], 0.0, v[1];
+    }
+    target_ = 0;
+    log();
+    goes = robot_.turned || brake();
+  } else {
+    robot_ = now_.legs[leg];
+    now_.moments.resize(static_cast<std::size_t>(robot_.steps) + 1);
   }
-  turned_ = corners_.front().passing < kStop;
-  bool goes = turned_ || brake();
-  for (std::size_t next = 1; goes && next < corners_.size(); ++next) {
-    const Corner& to = corners_[next];
-    const bool last = next + 1 == corners_.size(), stops = last || to.passing == kStop;
+  const int before = steps();
+  for (std::size_t next = leg; goes && next < now_.corners.size(); ++next) {
+    robot_.steps = steps();
+    now_.legs[next] = robot_;
+    const Corner& to = now_.corners[next];
+    const bool last = next + 1 == now_.corners.size(), stops = last || to.passing == kStop;
     const bool turns = stops && to.passing > kEarly;
     const double lead = to.passing == kEarly ? params_.smooth.early : params_.smooth.late;
     WholeConfiguration c = to.c;
@@ -181,7 +229,7 @@ bool SmoothPath::simulate() noexcept {
     target_ = static_cast<int>(next);
     direction_ = 0.0;
     base_there_ = false;
-    if (turns && !turned_) {
+    if (turns && !robot_.turned) {
       goes = follow_edge(c);
     } else {
       while (goes) {
@@ -191,21 +239,21 @@ bool SmoothPath::simulate() noexcept {
         goes = log();
       }
     }
-    turned_ = !stops;
-    if (stops) u_.setZero();
+    robot_.turned = !stops;
+    if (stops) robot_.u.setZero();
   }
-  space_.charge(1 + steps() / kStepsOfACheck);
+  space_.charge(1 + (steps() - before) / kStepsOfACheck);
   return goes && steps() > 0;
 }
 
 // Adds the robot's place to the motion. False if it cannot hold more.
 bool SmoothPath::log() noexcept {
   if (steps() == kMostSimulated) return false;
-  moments_.push_back({at_, target_});
+  now_.moments.push_back({robot_.at, target_});
   return true;
 }
 
-// Adds a motion of `time` seconds in even steps; `place` sets at_ to where it is at a time.
+// Adds a motion of `time` seconds in even steps; `place` sets its place to where it is at a time.
 template <class Place>
 bool SmoothPath::play(double time, const Place& place) noexcept {
   const int steps = static_cast<int>(std::ceil(time / kDriveStep));
@@ -219,22 +267,23 @@ bool SmoothPath::play(double time, const Place& place) noexcept {
 bool SmoothPath::brake() noexcept {
   const Trapezoid fall{braking_.time, 0.0, braking_.time};
   target_ = 1;
-  u_.setZero();
-  return play(braking_.time, [&](double t) { at_ = start_.c + fall.part(t) * (corners_.front().c - start_.c); });
+  robot_.u.setZero();
+  return play(braking_.time,
+              [&](double t) { robot_.at = start_.c + fall.part(t) * (now_.corners.front().c - start_.c); });
 }
 
 bool SmoothPath::follow_edge(const WholeConfiguration& end) noexcept {
-  make_edge(limits_, at_, end, edge_);
-  return play(edge_.time, [&](double t) { edge_at(limits_, edge_, t, at_); });
+  make_edge(limits_, robot_.at, end, edge_);
+  return play(edge_.time, [&](double t) { edge_at(limits_, edge_, t, robot_.at); });
 }
 
 SmoothPath::ToGo SmoothPath::to_go(const WholeConfiguration& c) noexcept {
   ToGo rest;
-  rest.way = (c - at_).head<2>();
+  rest.way = (c - robot_.at).head<2>();
   rest.distance = rest.way.norm();
-  rest.off = wrapped(c[2] - at_[2]);
+  rest.off = wrapped(c[2] - robot_.at[2]);
   for (int i = 0; i < limits_.num_joints(); ++i) {
-    const double e = std::abs(c[3 + i] - at_[3 + i]);
+    const double e = std::abs(c[3 + i] - robot_.at[3 + i]);
     rest.farthest = std::max(rest.farthest, e);
     rest.arm = std::max(rest.arm, e / limits_.joint_speed[i]);
   }
@@ -243,23 +292,24 @@ SmoothPath::ToGo SmoothPath::to_go(const WholeConfiguration& c) noexcept {
     base_there_ = rest.distance < kThere && std::abs(rest.off) < kThere;
     return rest;
   }
-  const double cs = std::cos(at_[2]), sn = std::sin(at_[2]);
+  const double cs = std::cos(robot_.at[2]), sn = std::sin(robot_.at[2]);
   const double forwards = cs * rest.way.x() + sn * rest.way.y();
   if (direction_ == 0.0) direction_ = limits_.drives_backwards(forwards, rest.distance) ? -1.0 : 1.0;
   const double along = direction_ * forwards;
   const bool beside = along <= 0.5 * rest.distance;
   base_there_ =
       base_there_ || rest.distance < kThere ||
-      (beside && (rest.distance < kNoSteering ||
-                  (rest.distance < params_.smooth.past && std::abs(u_[2]) > params_.smooth.turning * limits_.angular)));
+      (beside && (rest.distance < kNoSteering || (rest.distance < params_.smooth.past &&
+                                                  std::abs(robot_.u[2]) > params_.smooth.turning * limits_.angular)));
   if (base_there_) return rest;
   rest.off = std::atan2(direction_ * (cs * rest.way.y() - sn * rest.way.x()), along);
+  rest.ahead = along / rest.distance;
   rest.base = rest.distance / limits_.linear;
   return rest;
 }
 
 bool SmoothPath::arrived(const ToGo& rest, bool turns) const noexcept {
-  return base_there_ && rest.farthest < kThere && u_.lpNorm<Eigen::Infinity>() < kRest &&
+  return base_there_ && rest.farthest < kThere && robot_.u.lpNorm<Eigen::Infinity>() < kRest &&
          (!turns || std::abs(rest.off) < kThere);
 }
 
@@ -267,7 +317,7 @@ bool SmoothPath::arrived(const ToGo& rest, bool turns) const noexcept {
 void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stops, bool turns) noexcept {
   const int joints = limits_.num_joints();
   const double off = std::abs(rest.off);
-  const WholeConfiguration before = u_;
+  const WholeConfiguration before = robot_.u;
   double time = std::max(kDriveStep, rest.arm), v = 0.0, omega = 0.0;
   if (!limits_.base->nonholonomic()) {
     time = std::max(time, rest.base);
@@ -275,15 +325,15 @@ void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stop
     if (stops && rest.distance > 0.0)
       rate = std::min(rate, slowing(rest.distance, limits_.linear_acceleration) / rest.distance);
     if (stops && off > 0.0) rate = std::min(rate, slowing(off, limits_.angular_acceleration) / off);
-    Vector2 by = rate * rest.way - u_.head<2>();
+    Vector2 by = rate * rest.way - robot_.u.head<2>();
     by *= std::min(1.0, limits_.linear_acceleration * kDriveStep / std::max(by.norm(), 1e-12));
-    u_.head<2>() += by;
-    u_[2] = ramped(u_[2], rate * rest.off, limits_.angular_acceleration);
+    robot_.u.head<2>() += by;
+    robot_.u[2] = ramped(robot_.u[2], rate * rest.off, limits_.angular_acceleration);
   } else {
     if (!base_there_) {
-      turned_ = turned_ || off < kAligned;
-      if (turned_)
-        v = std::max(0.0, std::cos(off)) * std::min(limits_.linear, rest.distance / std::max(time, rest.base));
+      robot_.turned = robot_.turned || off < kAligned;
+      if (robot_.turned)
+        v = std::max(0.0, rest.ahead) * std::min(limits_.linear, rest.distance / std::max(time, rest.base));
       if (stops) v = std::min(v, std::max(kSlowest, slowing(rest.distance, limits_.linear_acceleration)));
       time = std::max(time, rest.base + off / limits_.angular);
     } else if (turns) {
@@ -291,23 +341,23 @@ void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stop
     }
     if (base_there_ ? turns : rest.distance > kNoSteering)
       omega = std::copysign(std::min(limits_.angular, slowing(off, limits_.angular_acceleration)), rest.off);
-    u_[2] = ramped(u_[2], omega, limits_.angular_acceleration);
-    v = std::min(v, std::max(0.0, limits_.rim_speed - limits_.half_track * std::abs(u_[2])));
-    u_[0] = ramped(u_[0], direction_ * v, limits_.linear_acceleration);
+    robot_.u[2] = ramped(robot_.u[2], omega, limits_.angular_acceleration);
+    v = std::min(v, std::max(0.0, limits_.rim_speed - limits_.half_track * std::abs(robot_.u[2])));
+    robot_.u[0] = ramped(robot_.u[0], direction_ * v, limits_.linear_acceleration);
   }
   double rate = 1.0 / time;
   for (int i = 0; stops && i < joints; ++i) {
-    const double e = std::abs(c[3 + i] - at_[3 + i]);
+    const double e = std::abs(c[3 + i] - robot_.at[3 + i]);
     if (e > 0.0) rate = std::min(rate, slowing(e, limits_.joint_acceleration[i]) / e);
   }
   for (int i = 0; i < joints; ++i)
-    u_[3 + i] = ramped(u_[3 + i], rate * (c[3 + i] - at_[3 + i]), limits_.joint_acceleration[i]);
-  WholeConfiguration way = 0.5 * kDriveStep * (before + u_);
+    robot_.u[3 + i] = ramped(robot_.u[3 + i], rate * (c[3 + i] - robot_.at[3 + i]), limits_.joint_acceleration[i]);
+  WholeConfiguration way = 0.5 * kDriveStep * (before + robot_.u);
   if (limits_.base->nonholonomic()) {
-    const double middle = at_[2] + 0.5 * way[2];
+    const double middle = robot_.at[2] + 0.5 * way[2];
     way.head<2>() = way[0] * Vector2(std::cos(middle), std::sin(middle));
   }
-  at_ += way;
+  robot_.at += way;
 }
 
 // Makes triangles of the motion between even times: each leads on as far as the motion does in the middle half of its
@@ -316,15 +366,15 @@ void SmoothPath::lay() noexcept {
   const double time = steps() * kDriveStep, spacing = time / (kTriangles + 1);
   const auto place = [&](double t) -> WholeConfiguration {
     const double step = t / kDriveStep;
-    const auto k = std::min(static_cast<std::size_t>(step), moments_.size() - 2);
-    return moments_[k].c + (step - static_cast<double>(k)) * (moments_[k + 1].c - moments_[k].c);
+    const auto k = std::min(static_cast<std::size_t>(step), now_.moments.size() - 2);
+    return now_.moments[k].c + (step - static_cast<double>(k)) * (now_.moments[k + 1].c - now_.moments[k].c);
   };
-  WholeConfiguration left = moments_.back().c - start_.c, before = place(0.5 * spacing), next;
+  WholeConfiguration left = now_.moments.back().c - start_.c, before = place(0.5 * spacing), next;
   left.tail(limits_.num_joints()) = arm_end_ - start_.c.tail(limits_.num_joints());
-  path_.begin(start_.c);
-  path_.duration = time;
+  now_.path.begin(start_.c);
+  now_.path.duration = time;
   const auto add = [&](const PathPart& part) {
-    path_.add(part);
+    now_.path.add(part);
     left -= part.change;
   };
   if (start_.moves()) add({0.0, {spacing, 0.0, spacing}, 0.5 * spacing * start_.v});
@@ -333,7 +383,7 @@ void SmoothPath::lay() noexcept {
     add({(i - 1) * spacing, {2.0 * spacing, spacing, spacing}, next - before});
     before = next;
   }
-  path_.add({0.0, {time, 0.5 * time, 0.5 * time}, left});
+  now_.path.add({0.0, {time, 0.5 * time, 0.5 * time}, left});
 }
 
 }  // namespace moma

@@ -41,7 +41,7 @@ class SmoothPath {
 
   bool found() const noexcept { return stage_ == Stage::kFound; }
   /// Motions, duration and pass of the path, once found.
-  const Path& path() const noexcept { return best_path_; }
+  const Path& path() const noexcept { return best_.path; }
 
  private:
   enum class Stage { kTry, kCheck, kFound, kFailed };
@@ -54,6 +54,7 @@ class SmoothPath {
   struct ToGo {
     Vector2 way = Vector2::Zero();  // of the base [m]
     double distance = 0.0;          // its length [m]
+    double ahead = 0.0;             // cosine of the angle from a driving direction to the corner
     double off = 0.0;               // from the driving direction to the corner, at it to its heading [rad]
     double base = 0.0, arm = 0.0;   // times at full speed [s]
     double farthest = 0.0;          // joint [rad, m]
@@ -62,10 +63,23 @@ class SmoothPath {
     WholeConfiguration c;
     int target;  // the corner that it pursued
   };
+  // The simulated robot, with the velocities (v, 0, omega) of a differential base, else in W.
+  struct Driving {
+    WholeConfiguration at, u;
+    bool turned = true;  // towards the corner, since it stopped
+    int steps = 0;       // of the motion so far
+  };
+  struct Motion {
+    std::vector<Corner> corners;
+    std::vector<Driving> legs;    // before it pursues each corner
+    std::vector<Moment> moments;  // the start, and after each step
+    Path path;
+  };
 
-  bool aim() noexcept;
-  bool simulate() noexcept;
-  int steps() const noexcept { return static_cast<int>(moments_.size()) - 1; }
+  bool aim(std::size_t leg) noexcept;
+  void resume(std::size_t leg) noexcept;
+  bool simulate(std::size_t leg) noexcept;
+  int steps() const noexcept { return static_cast<int>(now_.moments.size()) - 1; }
   bool log() noexcept;
   template <class Place>
   bool play(double time, const Place& place) noexcept;
@@ -76,7 +90,8 @@ class SmoothPath {
   void pursue(const ToGo& rest, const WholeConfiguration& c, bool stops, bool turns) noexcept;
   void lay() noexcept;
   void tighten(double t) noexcept;
-  void vary() noexcept;
+  std::size_t vary() noexcept;
+  void move(std::size_t corner) noexcept;
 
   const MotionLimits& limits_;
   const PlanParams& params_;
@@ -90,18 +105,15 @@ class SmoothPath {
   double limit_ = 0.0, within_ = 0.0;  // of the path, and of the next try [s]
   int tries_ = 0;
   CountedDraws draws_;
-  std::vector<Corner> corners_, best_;
-  Path path_, best_path_;
-  double checked_ = 0.0;  // time up to which path_ is free [s]
+  Motion now_, best_;     // the best one has no corners until one is free
+  double from_ = 0.0;     // time at which now_ begins to differ from the best motion [s]
+  double checked_ = 0.0;  // time from there on up to which it is free, beyond its end from its start again [s]
 
-  // The simulated robot.
-  WholeConfiguration at_, u_;  // its velocities: (v, 0, omega) of a differential base, else in W
+  Driving robot_;
   VectorX arm_end_;
-  double direction_ = 1.0;       // 1: it drives forwards, -1: backwards; 0: not known for this corner
-  bool base_there_ = false;      // at the corner
-  bool turned_ = true;           // towards the corner, since it stopped
-  int target_ = 0;               // the corner
-  std::vector<Moment> moments_;  // the start, and after each step
+  double direction_ = 1.0;   // 1: it drives forwards, -1: backwards; 0: not known for this corner
+  bool base_there_ = false;  // at the corner
+  int target_ = 0;           // the corner
   Edge edge_;
 };
 

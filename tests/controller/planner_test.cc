@@ -296,14 +296,19 @@ TEST_P(PlannerOf, SaysWhereThereIsNoWay) {
   EXPECT_TRUE(plan_whole(planner, scene, 1));
 }
 
-// Straight there is a wall: round it is the only way for a base.
-TEST_P(PlannerOf, GoesRoundAWall) {
-  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+// A goal straight behind a wall: round it is the only way for a base.
+Scene behind_a_wall(const std::shared_ptr<const RobotModel>& model) {
   Scene scene = make_scene(model, 2, 0);
   scene.X_WG.translation().head<2>() << 2.6, 0.0;
   scene.shapes = {{"wall", make_box(0.2, 3.0, 3.0)}};
   scene.states.resize(1);
   scene.states[0].X_WO.translation() << 1.3, 0.0, 1.5;
+  return scene;
+}
+
+TEST_P(PlannerOf, GoesRoundAWall) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  const Scene scene = behind_a_wall(model);
   ASSERT_TRUE(plan_whole(planner, scene, 1));
   WholeConfiguration c;
   double beside = 0.0;
@@ -312,6 +317,26 @@ TEST_P(PlannerOf, GoesRoundAWall) {
     if (std::abs(c[0] - 1.3) < 0.1) beside = std::max(beside, std::abs(c[1]));
   }
   EXPECT_GT(beside, 1.5);
+}
+
+// The path includes the braking, the time that it may take does not.
+TEST_P(PlannerOf, BrakingIsNoPartOfTheTimeThatCounts) {
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
+  const Scene scene = behind_a_wall(model);
+  Braking braking{scene.start, 0.4};
+  braking.from[0] -= 0.1;
+  const auto duration = [&](double within) {
+    planner.set_objects(scene.shapes);
+    planner.begin(scene.start, scene.X_WG, scene.states, 1, within, braking);
+    long budget = 1L << 40;
+    planner.advance(budget);
+    return planner.found() ? planner.path().duration : kInfinity;
+  };
+  const double any = duration(kInfinity);
+  ASSERT_LT(any, 30.0);
+  EXPECT_EQ(duration(any - braking.time + 0.02), any);
+  const double quicker = duration(any - braking.time - 0.02);
+  EXPECT_TRUE(quicker < any || quicker == kInfinity) << quicker << " s";
 }
 
 // Where the nearest of the poses that a goal allows is blocked, others are found.

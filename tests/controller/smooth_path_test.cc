@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "controller/plan/free_space.h"
 #include "controller/plan/route.h"
@@ -17,9 +18,6 @@
 
 namespace moma::test {
 namespace {
-
-// A limit, with what is spread over the whole time; limits are a share of the robot's own.
-constexpr double kSpread = 1.1;
 
 class Smooth : public testing::TestWithParam<std::string> {
  protected:
@@ -110,13 +108,16 @@ TEST_P(Smooth, IsQuickerThanEdgesAndKeepsTheLimits) {
     kinematics.update(c.head<3>(), c.tail(model->num_joints()));
     EXPECT_LT((kinematics.X_WE().translation() - X_WE.translation()).norm(), 1e-3) << "seed " << seed;
     const Extremes most = extremes(path);
+    // The robot's own limits, of which a plan uses a share: what the ends leave is spread over the whole time.
+    const double speeds = 1.0 / params.plan.speed, accelerations = 1.0 / params.plan.acceleration;
     for (int i = 0; i < limits.num_joints(); ++i) {
-      EXPECT_LE(most.speed[3 + i], kSpread * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
-      EXPECT_LE(most.acceleration[3 + i], kSpread * limits.joint_acceleration[i]) << "joint " << i << ", seed " << seed;
+      EXPECT_LE(most.speed[3 + i], speeds * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
+      EXPECT_LE(most.acceleration[3 + i], accelerations * limits.joint_acceleration[i])
+          << "joint " << i << ", seed " << seed;
     }
-    EXPECT_LE(most.speed[2], kSpread * limits.angular) << "seed " << seed;
-    EXPECT_LE(most.acceleration[2], kSpread * limits.angular_acceleration) << "seed " << seed;
-    EXPECT_LE(most.speed.head<2>().maxCoeff(), kSpread * limits.linear) << "seed " << seed;
+    EXPECT_LE(most.speed[2], speeds * limits.angular) << "seed " << seed;
+    EXPECT_LE(most.acceleration[2], accelerations * limits.angular_acceleration) << "seed " << seed;
+    EXPECT_LE(most.speed.head<2>().maxCoeff(), speeds * limits.linear) << "seed " << seed;
     if (!limits.base->nonholonomic()) continue;
     for (double t = 0.0; t < path.duration; t += 0.01) {
       path.at(t - 0.005, before);
@@ -147,8 +148,10 @@ TEST_P(Smooth, BeginsAtTheVelocityOfItsBraking) {
   EXPECT_LT(((c - braking.from) / 0.001 - wanted).norm(), 0.02);
 }
 
-// Posts that the edges clear and the first motion does not: the robot passes the corners later, and takes longer.
+// Posts that the edges clear and the first motion does not: the robot passes the corners later, and takes longer unless
+// it moves them.
 TEST_P(Smooth, PassesCornersLaterWhereThatIsNotFree) {
+  const double moves = std::exchange(params.plan.smooth.moves, 0.0);
   Scene scene;
   std::vector<WholeConfiguration> corners(4, WholeConfiguration::Zero(3 + model->num_joints()));
   for (WholeConfiguration& c : corners) c.tail(model->num_joints()) = tucked_arm(*model, space, {-1.0, 0.0, 0.0});
@@ -179,9 +182,43 @@ TEST_P(Smooth, PassesCornersLaterWhereThatIsNotFree) {
     EXPECT_GT(least(smooth.path(), scene), 0.02) << "post " << k;
     EXPECT_GT(smooth.path().duration, without.duration) << "post " << k;
     EXPECT_LT(smooth.path().duration, 1.01 * time_of_edges(corners)) << "post " << k;
+    params.plan.smooth.moves = moves;
+    EXPECT_TRUE(run(corners)) << "post " << k;
+    EXPECT_GT(least(smooth.path(), scene), 0.02) << "post " << k;
+    params.plan.smooth.moves = 0.0;
   }
   EXPECT_GT(posts, 1);
   EXPECT_EQ(found, posts);
+}
+
+// A corner far beyond the end of a wall, that cannot be left out, moves to the wall's end.
+TEST_P(Smooth, MovesACornerThatIsFartherOffThanItHasToBe) {
+  Scene scene;
+  scene.shapes = {{"wall", make_box(0.2, 3.0, 2.0)}};
+  scene.states.resize(1);
+  scene.states[0].X_WO.translation() << 1.5, 0.4, 1.0;  // from y = -1.1 to 1.9
+  std::vector<WholeConfiguration> corners(3, WholeConfiguration::Zero(3 + model->num_joints()));
+  for (WholeConfiguration& c : corners) c.tail(model->num_joints()) = tucked_arm(*model, space, {-1.0, 0.0, 0.0});
+  corners[1].head<2>() << 1.5, -4.0;
+  corners[2].head<2>() << 3.0, 0.0;
+  put(scene, corners[0], 0.03);
+  const auto farthest = [&] {
+    EXPECT_TRUE(run(corners));
+    EXPECT_GT(least(smooth.path(), scene), 0.02);
+    WholeConfiguration c;
+    double beside = 0.0;
+    for (double t = 0.0; t < smooth.path().duration; t += 0.01) {
+      smooth.path().at(t, c);
+      beside = std::min(beside, c[1]);
+    }
+    return beside;
+  };
+  params.plan.smooth.moves = 0.0;
+  EXPECT_LT(farthest(), -3.0);
+  const double unmoved = smooth.path().duration;
+  params.plan.smooth.moves = 0.8;
+  EXPECT_GT(farthest(), -2.8);
+  EXPECT_LT(smooth.path().duration, 0.85 * unmoved);
 }
 
 // The shortest way round a wall for a point is shorter than a route, but not by much.
