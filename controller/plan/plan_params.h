@@ -131,7 +131,7 @@ constexpr void describe(auto& v, Of<SearchParams>) {
 
 /// Routes of a base (plan/route.h) and motion past the corners of a path (plan/smooth_path.h), for robots that drive.
 struct SmoothParams {
-  int routes = 16;
+  int routes = 4;
   double cell = 0.2, near = 0.3;
   int tries = 100, tries_moving = 300;
   double early = 0.5, late = 0.2;
