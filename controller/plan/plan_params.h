@@ -138,7 +138,7 @@ struct SmoothParams {
   double gain = 0.03, slower = 2.0;
   double aside = 1.0, aside_last = 0.15;
   double past = 0.15, turning = 0.9;
-  double moves = 0.8, farthest = 0.5;
+  double moves = 0.8, farthest = 0.5, takes_on = 0.5;
   double leave_out = 0.6;
   double check = 0.7;
 };
@@ -167,6 +167,8 @@ constexpr void describe(auto& v, Of<SmoothParams>) {
   v.member("turning", &T::turning, unless_default(share("share of its angular speed with which it then turns")));
   v.member("moves", &T::moves, unless_default(share("share of a corner's variations that move it")));
   v.member("farthest", &T::farthest, unless_default(non_negative("m", "farthest move of the base's place at it")));
+  v.member("takes_on", &T::takes_on,
+           unless_default(share("most of the way that its arm then goes to that of a corner beside it")));
   v.member("leave_out", &T::leave_out, unless_default(share("share of the others that leave it out")));
   v.member("check", &T::check,
            unless_default(positive_share("way between two checks of such a motion, in units of plan.check_step")));

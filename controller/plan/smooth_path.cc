@@ -15,7 +15,6 @@ constexpr double kThere = 0.003;                        // distance of what is r
 constexpr double kNoSteering = 0.05;                    // distance from which on the base does not steer any more [m]
 constexpr double kAligned = 0.02;                       // turned to the next corner, after a stop [rad]
 constexpr double kSlowest = 0.02;                       // speed up to a stop [m/s]
-constexpr double kMostTakenOn = 0.5;                    // share of the arm's way to a corner beside it
 constexpr double kRest = 0.03;                          // velocities of a robot that has stopped [m/s, rad/s]
 
 // Speed with which a motion stops within `room`, and does not overrun it in a step.
@@ -145,7 +144,7 @@ void SmoothPath::move(std::size_t corner) noexcept {
   for (int i = 0; i < 2; ++i) moved.c[i] += draws_.uniform(-most, most);
   if (corner + 1 == now_.corners.size()) return;
   const Eigen::Index joints = limits_.num_joints();
-  const double part = draws_.uniform(0.0, kMostTakenOn);
+  const double part = draws_.uniform(0.0, params_.smooth.takes_on);
   const Corner& other = now_.corners[draws_.uniform() < 0.5 ? corner - 1 : corner + 1];
   moved.c.tail(joints) += part * (other.c - moved.c).tail(joints);
   if (draws_.uniform() < 0.5 && moved.passing > kEarly) --moved.passing;
