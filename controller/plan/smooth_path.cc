@@ -48,7 +48,6 @@ void SmoothPath::begin(std::span<const WholeConfiguration> corners, const Brakin
   start_.v.setZero();
   if (braking.time > 0.0) start_.v = 2.0 / braking.time * (corners.front() - braking.from);
   within_ = limit_ = within;
-  from_ = 0.0;
   tries_ = 0;
   draws_ = {};
 }
@@ -66,7 +65,6 @@ bool SmoothPath::work() noexcept {
       stage_ = Stage::kCheck;
     else if (first)
       stage_ = Stage::kFailed;
-    checked_ = from_;
     return stage_ == Stage::kTry || stage_ == Stage::kCheck;
   }
   if (stage_ != Stage::kCheck) return false;
@@ -122,19 +120,18 @@ std::size_t SmoothPath::vary() noexcept {
   std::vector<Corner>& corners = now_.corners;
   const std::size_t n = corners.size(), k = draws_.choice(n);
   const bool inner = k > 0 && k + 1 < n;
-  std::size_t leg = std::max<std::size_t>(k, 1);
   if (k > 0 && draws_.uniform() < params_.smooth.moves) {
     move(k);
   } else if (inner && (corners[k].passing == kEarly || draws_.uniform() < params_.smooth.leave_out)) {
     corners.erase(corners.begin() + static_cast<std::ptrdiff_t>(k));
     if (draws_.uniform() < 0.5) corners[k - 1].passing = kEarly;
-    leg = std::max<std::size_t>(k - 1, 1);
+    return std::max<std::size_t>(k - 1, 1);
   } else if (corners[k].passing > kEarly) {
     --corners[k].passing;
   } else {
     return 0;
   }
-  return leg;
+  return std::max<std::size_t>(k, 1);
 }
 
 // Moves the base's place at a corner. The arm at it takes on some of what it has at a corner beside it.
@@ -191,10 +188,10 @@ bool SmoothPath::aim(std::size_t leg) noexcept {
 
 // Goes on from the best motion, as far as that is the same.
 void SmoothPath::resume(std::size_t leg) noexcept {
-  from_ = 0.0;
+  checked_ = from_ = 0.0;
   if (leg < 2) return;
   const int steps = best_.legs[leg].steps;
-  from_ = steps * kDriveStep;
+  checked_ = from_ = steps * kDriveStep;
   std::copy_n(best_.legs.begin(), leg + 1, now_.legs.begin());
   now_.moments.assign(best_.moments.begin(), best_.moments.begin() + steps + 1);
 }

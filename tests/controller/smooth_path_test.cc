@@ -19,6 +19,18 @@
 namespace moma::test {
 namespace {
 
+// A limit of speed, with what is spread over the whole time; limits are a share of the robot's own.
+constexpr double kSpread = 1.1;
+
+// A wall across the way to x = 3, from y = -1.1 to 1.9.
+Scene wall() {
+  Scene scene;
+  scene.shapes = {{"wall", make_box(0.2, 3.0, 2.0)}};
+  scene.states.resize(1);
+  scene.states[0].X_WO.translation() << 1.5, 0.4, 1.0;
+  return scene;
+}
+
 class Smooth : public testing::TestWithParam<std::string> {
  protected:
   Smooth()
@@ -48,6 +60,12 @@ class Smooth : public testing::TestWithParam<std::string> {
       c.head<3>() += Vector3(way * std::cos(bearing), way * std::sin(bearing), uniform_in(engine, -1.0, 1.0));
     }
     return corners;
+  }
+  // Configurations at the origin with the arm tucked.
+  std::vector<WholeConfiguration> tucked(std::size_t count) {
+    WholeConfiguration c = WholeConfiguration::Zero(3 + model->num_joints());
+    c.tail(model->num_joints()) = tucked_arm(*model, space, {-1.0, 0.0, 0.0});
+    return std::vector<WholeConfiguration>(count, c);
   }
   double time_of_edges(const std::vector<WholeConfiguration>& corners) const {
     double sum = 0.0;
@@ -108,16 +126,14 @@ TEST_P(Smooth, IsQuickerThanEdgesAndKeepsTheLimits) {
     kinematics.update(c.head<3>(), c.tail(model->num_joints()));
     EXPECT_LT((kinematics.X_WE().translation() - X_WE.translation()).norm(), 1e-3) << "seed " << seed;
     const Extremes most = extremes(path);
-    // The robot's own limits, of which a plan uses a share: what the ends leave is spread over the whole time.
-    const double speeds = 1.0 / params.plan.speed, accelerations = 1.0 / params.plan.acceleration;
+    const double spread = 1.0 / params.plan.acceleration;  // to the robot's own limits
     for (int i = 0; i < limits.num_joints(); ++i) {
-      EXPECT_LE(most.speed[3 + i], speeds * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
-      EXPECT_LE(most.acceleration[3 + i], accelerations * limits.joint_acceleration[i])
-          << "joint " << i << ", seed " << seed;
+      EXPECT_LE(most.speed[3 + i], kSpread * limits.joint_speed[i]) << "joint " << i << ", seed " << seed;
+      EXPECT_LE(most.acceleration[3 + i], spread * limits.joint_acceleration[i]) << "joint " << i << ", seed " << seed;
     }
-    EXPECT_LE(most.speed[2], speeds * limits.angular) << "seed " << seed;
-    EXPECT_LE(most.acceleration[2], accelerations * limits.angular_acceleration) << "seed " << seed;
-    EXPECT_LE(most.speed.head<2>().maxCoeff(), speeds * limits.linear) << "seed " << seed;
+    EXPECT_LE(most.speed[2], kSpread * limits.angular) << "seed " << seed;
+    EXPECT_LE(most.acceleration[2], spread * limits.angular_acceleration) << "seed " << seed;
+    EXPECT_LE(most.speed.head<2>().maxCoeff(), kSpread * limits.linear) << "seed " << seed;
     if (!limits.base->nonholonomic()) continue;
     for (double t = 0.0; t < path.duration; t += 0.01) {
       path.at(t - 0.005, before);
@@ -153,8 +169,7 @@ TEST_P(Smooth, BeginsAtTheVelocityOfItsBraking) {
 TEST_P(Smooth, PassesCornersLaterWhereThatIsNotFree) {
   const double moves = std::exchange(params.plan.smooth.moves, 0.0);
   Scene scene;
-  std::vector<WholeConfiguration> corners(4, WholeConfiguration::Zero(3 + model->num_joints()));
-  for (WholeConfiguration& c : corners) c.tail(model->num_joints()) = tucked_arm(*model, space, {-1.0, 0.0, 0.0});
+  std::vector<WholeConfiguration> corners = tucked(4);
   corners[1].head<2>() << 2.5, 0.0;
   corners[2].head<2>() << 1.5, 2.0;
   corners[3].head<2>() << 3.5, 2.5;
@@ -193,12 +208,8 @@ TEST_P(Smooth, PassesCornersLaterWhereThatIsNotFree) {
 
 // A corner far beyond the end of a wall, that cannot be left out, moves to the wall's end.
 TEST_P(Smooth, MovesACornerThatIsFartherOffThanItHasToBe) {
-  Scene scene;
-  scene.shapes = {{"wall", make_box(0.2, 3.0, 2.0)}};
-  scene.states.resize(1);
-  scene.states[0].X_WO.translation() << 1.5, 0.4, 1.0;  // from y = -1.1 to 1.9
-  std::vector<WholeConfiguration> corners(3, WholeConfiguration::Zero(3 + model->num_joints()));
-  for (WholeConfiguration& c : corners) c.tail(model->num_joints()) = tucked_arm(*model, space, {-1.0, 0.0, 0.0});
+  const Scene scene = wall();
+  std::vector<WholeConfiguration> corners = tucked(3);
   corners[1].head<2>() << 1.5, -4.0;
   corners[2].head<2>() << 3.0, 0.0;
   put(scene, corners[0], 0.03);
@@ -223,10 +234,7 @@ TEST_P(Smooth, MovesACornerThatIsFartherOffThanItHasToBe) {
 
 // The shortest way round a wall for a point is shorter than a route, but not by much.
 TEST_P(Smooth, RoutesGoTheShortWayRoundAWall) {
-  Scene scene;
-  scene.shapes = {{"wall", make_box(0.2, 3.0, 2.0)}};
-  scene.states.resize(1);
-  scene.states[0].X_WO.translation() << 1.5, 0.4, 1.0;  // from y = -1.1 to 1.9
+  const Scene scene = wall();
   WholeConfiguration start = WholeConfiguration::Zero(3 + model->num_joints());
   start.tail(model->num_joints()) = model->ready;
   std::vector<GoalConfiguration> goals(2);
