@@ -3,20 +3,9 @@
 #include <algorithm>
 
 #include "controller/model/manipulability.h"
+#include "controller/step_described.h"
 
 namespace moma {
-
-void copy_observation(const Observation& from, Observation& to) noexcept {
-  to.time = from.time;
-  to.base = from.base;
-  to.q = from.q;
-  to.qdot = from.qdot;
-  to.goal = from.goal;
-  to.next = from.next;
-  to.upright = from.upright;
-  to.carried = from.carried;
-  std::copy_n(from.objects.begin(), std::min(from.objects.size(), to.objects.size()), to.objects.begin());
-}
 
 Assessment::Assessment(std::shared_ptr<const RobotModel> model, const ControllerParams& params)
     : params_(params),

@@ -33,9 +33,6 @@ struct Situation {
   StepClock* clock;  ///< clock of the step's parts, or null
 };
 
-/// Copies an observation of no more objects. Does not allocate if sizes stay.
-void copy_observation(const Observation& from, Observation& to) noexcept;
-
 /// Computes Situation: forward kinematics, pose error, servo twist and manipulability. One per controller; assess()
 /// does not allocate.
 class Assessment {

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <string_view>
+#include <type_traits>
 
 #include "controller/describe/complete.h"
 #include "controller/describe/describe.h"
+#include "controller/describe/kinds.h"
 #include "controller/step.h"
 
 namespace moma {
@@ -67,6 +71,17 @@ constexpr void describe(auto& v, Of<Observation>) {
   v.member("upright", &T::upright, {.text = "path constraint of the whole motion"});
   v.member("carried", &T::carried, {.text = "the object in the hand, which moves with it; its pose is in E"});
   v.member("objects", &T::objects, {.text = "in the order of the reset"});
+}
+
+/// Copies `from`, except the objects that `to` has no room for. No allocation if the joints are as many.
+inline void copy_observation(const Observation& from, Observation& to) noexcept {
+  for_members<Observation>([&](std::string_view, auto pointer, const About&) {
+    const auto& seen = from.*pointer;
+    if constexpr (is_std_vector<std::remove_cvref_t<decltype(seen)>>)
+      std::copy_n(seen.begin(), std::min(seen.size(), (to.*pointer).size()), (to.*pointer).begin());
+    else
+      to.*pointer = seen;
+  });
 }
 
 /// Members of StepResult that a foreign controller may answer beside its command.

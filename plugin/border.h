@@ -15,6 +15,8 @@ namespace moma::plugin {
 
 // The structs of C give names to the numbers that descriptions have (describe/numbers.h). After a change of what is
 // sensed `MOMA_UPDATE_DOCS=1 ctest -R BorderDocumentation` (controller_test) writes them.
+// A new list of an observation needs a pointer in moma_observation, and its place in count_numbers() and the host.
+static_assert(number_lists<Observation>() == 2, "moma_observation has the lists q and qdot");
 static_assert(offsetof(moma_observation, q) == sizeof(double) * fixed_numbers<Observation>());
 static_assert(sizeof(moma_object_state) == sizeof(double) * fixed_numbers<ObjectState>());
 static_assert(offsetof(moma_step_result, solve_seconds) - offsetof(moma_step_result, status) ==

@@ -26,6 +26,10 @@ namespace moma {
 template <class T>
 constexpr std::size_t fixed_numbers();
 
+/// Number of a type's lists with a number for each joint or velocity.
+template <class T>
+constexpr int number_lists();
+
 /// Writes `value` to `to`. No allocation. Returns the end of what was written.
 template <class T>
 double* pack(const T& value, double* to) noexcept;
@@ -191,6 +195,13 @@ constexpr std::size_t fixed_numbers() {
     describe(count, Of<T>{});
     return count.count;
   }
+}
+
+template <class T>
+constexpr int number_lists() {
+  int count = 0;
+  for_members<T>([&count]<class V>(std::string_view, V T::*, const About&) { count += NumberList<V> ? 1 : 0; });
+  return count;
 }
 
 template <class T>

@@ -6,6 +6,7 @@
 
 #include "controller/lookahead/rollout.h"
 #include "controller/safe/pose_track.h"
+#include "controller/step_described.h"
 
 namespace moma {
 namespace {

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "controller/lookahead/lookahead.h"
+#include "controller/step_described.h"
 
 namespace moma {
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "controller/safe/pose_track.h"
+#include "controller/step_described.h"
 
 namespace moma {
 namespace {

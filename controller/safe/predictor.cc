@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "controller/model/kinematics.h"
+#include "controller/step_described.h"
 
 namespace moma {
 namespace {
@@ -243,11 +244,10 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   miss_steps(o.time);
   if (params_.identify) identify(o);
   if (base_dof_ > 0) correct_velocity(o);
-  out_.time = o.time + late_ * dt_;
+  copy_observation(o, out_);
+  out_.time += late_ * dt_;
   predict_joints(o.q);
-  if (base_dof_ == 0) {
-    out_.base = o.base;
-  } else {
+  if (base_dof_ > 0) {
     if (m.begun) {
       move(*model_, m.base, mean_velocity(m.base_trip.periods), dt_);
       correct_base(o.base);
@@ -261,10 +261,6 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   for (std::size_t i = 0; i < o.objects.size(); ++i) predict_object(o.objects[i], i);
   object_memory_.look(o, std::span(out_.objects).first(o.objects.size()), m.objects);
   filter_.measure(o.goal.X_WG, o.goal.V_WG_W, m.goal);
-  out_.goal = o.goal;
-  out_.next = o.next;
-  out_.upright = o.upright;
-  out_.carried = o.carried;
   out_.goal.X_WG = m.goal.X_W();
   out_.goal.V_WG_W.setZero();
   if (m.goal.moving) {
@@ -294,7 +290,6 @@ void Predictor::predict_object(const ObjectState& seen, std::size_t i) noexcept 
   PoseTrack& track = memory_.objects[i];
   ObjectState& object = out_.objects[i];
   const double lateness = (object_age_ + late_) * dt_;
-  object = seen;
   if (seen.visible) {
     filter_.measure(seen.X_WO, seen.V_WO_W, track, seen.covariance ? &*seen.covariance : nullptr);
   } else if (object_memory_.believes(track) ||
