@@ -8,6 +8,7 @@
 #include "controller/case/sensed.h"
 #include "controller/config/read_described.h"
 #include "controller/config/write_described.h"
+#include "controller/describe/complete.h"
 
 namespace moma {
 namespace {
@@ -24,6 +25,7 @@ constexpr void describe(auto& v, Of<GoingOn>) {
 constexpr void describe(auto& v, Of<Following>) {
   v.member("mark", &Following::mark, in_range(kSteps, "", "step of the last progress along the path"));
   v.member("mark_clock", &Following::mark_clock, non_negative("s", "the path's clock then"));
+  v.member("former", &Following::former, unless_default({.text = "whether the path leads to the goal before"}));
 }
 
 constexpr void describe(auto& v, Of<Stopping>) {
@@ -49,15 +51,21 @@ constexpr void describe(auto& v, Of<PlanState>) {
   v.member("next_onward", &T::next_onward,
            unless_default(in_range(kSteps, "", "step of the next search for a path on from the goal")));
   v.member("stagnations", &T::stagnations, in_range({0, 1e9}, "", "up to which nothing is news"));
-  v.member("fresh", &T::fresh, {.text = "whether the direct policy's memory of detours is cleared"});
+  v.member("fresh", &T::clears_detours, {.text = "whether the direct policy's memory of detours is cleared"});
   v.member("known", &T::known, in_range({0, 1e9}, "", "objects that were seen in the step before"));
-  v.member("former", &T::former, unless_default({.text = "whether the path leads to the goal before"}));
   v.member("missed", &T::missed, unless_default({.text = "whether the goal was passed and not reached"}));
-  v.member("beside", &T::beside, unless_default(in_range({0, 1e9}, "", "steps beside the goal")));
-  v.member("left", &T::left, unless_default({.text = "whether a path's last part was left to the policy"}));
-  v.member("held", &T::held, unless_default({.text = "whether something held the robot off a path's end"}));
+  v.member("beside", &T::steps_beside, unless_default(in_range({0, 1e9}, "", "steps beside the goal")));
+  v.member("left", &T::left_last_part, unless_default({.text = "whether a path's last part was left to the policy"}));
+  v.member("held", &T::held_off, unless_default({.text = "whether something held the robot off a path's end"}));
   v.written_where([](const T& state) { return state.has_goal; },
                   [](auto& g) { g.member("goal", &T::X_WG, {.text = "in the step before"}); });
+}
+
+static_assert(is_complete<GoingOn>() && is_complete<Following>() && is_complete<Stopping>() && is_complete<Choosing>());
+// This compiles as long as these are all members: read_plan_state() reads those that the description leaves out.
+[[maybe_unused]] void all_members_of(const PlanState& state) {
+  [[maybe_unused]] const auto& [brief, doing, steps, next, next_onward, stagnations, clears_detours, known, has_goal,
+                                X_WG, path, missed, steps_beside, left_last_part, held_off] = state;
 }
 
 constexpr void describe(auto& v, Of<Trapezoid>) {

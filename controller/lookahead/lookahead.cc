@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "controller/model/proximity.h"
+#include "controller/step_described.h"
 
 namespace moma {
 namespace {
@@ -81,7 +82,7 @@ void Lookahead::set_state(const PlanState& state) noexcept {
 // begins.
 KeptDistance Lookahead::keeps() const noexcept {
   const Path& path = state_.path;
-  if (state_.brief.mode != PlanMode::kFollow) return {};
+  if (!std::holds_alternative<Following>(state_.doing)) return {};
   const double part = params_.follow.kept;
   if (path.close())
     return {part * path.kept_at_goal, part * slope_, (path.meets ? path.X_WG : state_.X_WG).translation(),
@@ -109,10 +110,9 @@ void Lookahead::go_direct(PlanReason reason, Detours detours) noexcept {
   brief.target.setZero();
   brief.end.setZero();
   state_.path.count = 0;
-  state_.former = false;
   job_ = Job::kNone;
   if (detours == Detours::kKept) return;
-  state_.fresh = true;
+  state_.clears_detours = true;
   state_.stagnations = 0;
 }
 
@@ -151,8 +151,7 @@ void Lookahead::look_for_way(double direct_time) noexcept {
 
 // Begins to follow state_.path.
 void Lookahead::begin_path(PlanReason reason) noexcept {
-  begin(Following{state_.steps, 0.0}, reason);
-  state_.former = false;
+  begin(Following{state_.steps}, reason);
   PlanBrief& brief = state_.brief;
   brief.clock = brief.lag = 0.0;
   brief.duration = state_.path.duration;
@@ -187,12 +186,11 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
     Path& path = state_.path;
     const PlanarShift shift = shift_of_goal(mobile_ && is_whole(o.goal), path.X_WG, state_.X_WG);
     const bool onward = on_path && path.passes() && !jumped(params_.decisions, path.X_WN, shift.back(o.goal.X_WG));
-    state_.missed = state_.left = state_.held = false;
+    state_.missed = state_.left_last_part = state_.held_off = false;
     if (onward || (on_path && !stands && params_.direct > 0 && !path.close() && !path.meets)) {
-      state_.former = !onward;  // it stays on the path until a way on is known
       path.X_WG = shift.back(o.goal.X_WG);
       path.pass = kInfinity;
-      *on_path = {0, state_.brief.clock};
+      *on_path = {0, state_.brief.clock, !onward};  // it stays on the path until a way on is known
       job_ = Job::kNone;
     } else {
       const bool was_direct = state_.brief.mode == PlanMode::kDirect;
@@ -220,9 +218,9 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   // Where the goal is measured better than before, a path's end lies beside it, or the policy's rows hold the hand off.
   const bool ended = arrived_ || (doing<Following>() && brief.clock >= state_.path.duration);
   const bool beside = ended && off > params_.decisions.beside && stands && !goal_moves;
-  state_.beside = beside && (doing<GoingDirect>() || doing<Following>()) ? state_.beside + 1 : 0;
-  if (state_.beside > periods(params_.stuck)) {
-    state_.beside = 0;
+  state_.steps_beside = beside && (doing<GoingDirect>() || doing<Following>()) ? state_.steps_beside + 1 : 0;
+  if (state_.steps_beside > periods(params_.stuck)) {
+    state_.steps_beside = 0;
     stop(PlanReason::kBesideGoal, -1.0);
   }
   if (const GoingOn* now = doing<GoingOn>(); now && state_.steps >= now->commit) {
@@ -239,7 +237,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   guides_ = brief.mode != PlanMode::kDirect;
   wanted_.setZero();
   if (Following* now = doing<Following>()) follow(o, *now);
-  anew_ = std::exchange(state_.fresh, false);
+  anew_ = std::exchange(state_.clears_detours, false);
   ++state_.steps;
 }
 
@@ -261,7 +259,9 @@ void Lookahead::follow(const Observation& o, Following& following) noexcept {
   state_.path.at(brief.clock, target);
   brief.target = shift_.of(target).head<3>();
   place_end();
-  if (brief.clock > following.mark_clock + params_.decisions.progress) following = {state_.steps, brief.clock};
+  if (brief.clock <= following.mark_clock + params_.decisions.progress) return;
+  following.mark = state_.steps;
+  following.mark_clock = brief.clock;
 }
 
 void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
@@ -269,8 +269,8 @@ void Lookahead::work(const Observation& o, const EscapeState& escape) noexcept {
   const long whole = budget;
   if (doing<GoingDirect>())
     work_direct(o, escape, budget);
-  else if (doing<Following>())
-    work_path(o, escape, budget);
+  else if (Following* now = doing<Following>())
+    work_path(o, escape, *now, budget);
   else if (doing<SettingOut>())
     work_set_out(o, escape, budget);
   else
@@ -316,7 +316,8 @@ void Lookahead::work_direct(const Observation& o, const EscapeState& escape, lon
   if (doing<GoingOn>()) work_choice(o, escape, budget);
 }
 
-void Lookahead::work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept {
+void Lookahead::work_path(const Observation& o, const EscapeState& escape, Following& following,
+                          long& budget) noexcept {
   state_.stagnations = escape.stagnations;
   long looks = std::min(budget, kWatched);
   budget -= looks;
@@ -334,22 +335,22 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   if (path.passes() && state_.brief.clock >= path.pass) {
     if (arrived_ || (state_.brief.clock < path.pass + params_.decisions.missed && !stuck())) return;
     // The path leads away from a goal that it has missed.
-    state_.missed = state_.former = true;
+    state_.missed = following.former = true;
     path.pass = kInfinity;
     job_ = Job::kNone;
   }
   const double rest = path.arrival() - state_.brief.clock;
-  if (state_.former) {
-    if (!work_way(o, kInfinity, budget)) go_direct(PlanReason::kStart, Detours::kCleared);
+  if (following.former) {
+    if (!work_way(o, kInfinity, following, budget)) go_direct(PlanReason::kStart, Detours::kCleared);
     return;
   }
   if (rest <= 0.0) {
     if (arrived_) {  // it holds the path's end
-      doing<Following>()->mark = state_.steps;
+      following.mark = state_.steps;
       return;
     }
     if (at_end()) {
-      state_.held = state_.held || stuck();
+      state_.held_off = state_.held_off || stuck();
       go_direct(PlanReason::kPathEnds, Detours::kCleared);
       return;
     }
@@ -364,10 +365,10 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   const bool may_go_on = job_ == Job::kNone || job_ == Job::kGoOn || job_ == Job::kPass;
   if (may_go_on && !stuck() && work_onward(o, budget)) return;
   if (job_ == Job::kNone && !due && !stuck()) return;
-  if (job_ != Job::kPredict && !path.close() && !stuck() && work_way(o, rest, budget)) return;
+  if (job_ != Job::kPredict && !path.close() && !stuck() && work_way(o, rest, following, budget)) return;
   // A policy that was predicted to arrive with so little of a path left, and did not, is not believed twice.
   const bool last = rest < params_.decisions.last_part;
-  if ((tight || (last && state_.left)) && !stuck()) {
+  if ((tight || (last && state_.left_last_part)) && !stuck()) {
     state_.next = state_.steps + periods(params_.period);
     news_ = false;
     return;
@@ -376,7 +377,7 @@ void Lookahead::work_path(const Observation& o, const EscapeState& escape, long&
   if (!predict(o, EscapeState{}, std::min(params_.horizon, arrival), budget)) return;
   state_.next = state_.steps + periods(params_.period);
   if (rollout_.end() == RolloutEnd::kArrives && rollout_.time() <= arrival) {
-    state_.left = state_.left || last;
+    state_.left_last_part = state_.left_last_part || last;
     go_direct(PlanReason::kArrives, Detours::kCleared);
   } else if (stuck()) {
     stop(PlanReason::kNoProgress, -1.0);
@@ -414,20 +415,21 @@ void Lookahead::look_ahead_on_path(const Observation& o, double ahead) noexcept 
 // Makes a choice for where the path has the robot in a moment, between the `rest` of the path and what is quicker, and
 // goes over to that. A path to a former goal has no rest that counts, and the first direct way does. True if it goes
 // over, or has to work on.
-bool Lookahead::work_way(const Observation& o, double rest, long& budget) noexcept {
+bool Lookahead::work_way(const Observation& o, double rest, const Following& following, long& budget) noexcept {
   PlanBrief& brief = state_.brief;
+  const bool former = following.former;
   if (job_ != Job::kSetOut) {
-    const double ahead = rate_ * (state_.former ? params_.decisions.way_ahead : goes_on());
+    const double ahead = rate_ * (former ? params_.decisions.way_ahead : goes_on());
     if (params_.direct == 0 || ahead <= 0.0 || ahead + params_.decisions.way_gain >= rest) return false;
     look_ahead_on_path(o, ahead);
-    const double left = state_.former ? -1.0 : rest - ahead - params_.decisions.way_gain;
-    choice_.begin(later_, left, state_.former ? brief.attempts : ++brief.attempts, !state_.former);
+    const double left = former ? -1.0 : rest - ahead - params_.decisions.way_gain;
+    choice_.begin(later_, left, former ? brief.attempts : ++brief.attempts, !former);
     job_ = Job::kSetOut;
   }
   const double until = std::max(0.0, way_from_ - brief.clock);
   if (until < static_cast<double>(kHurry) * dt_) choice_.hurry();
   const bool more = choice_.advance(budget);
-  if (until > dt_ && (more || !state_.former)) return true;
+  if (until > dt_ && (more || !former)) return true;
   job_ = Job::kNone;
   if (more || choice_.verdict().kind != PlanKind::kPath) return false;
   brief.choice = choice_.verdict();
@@ -492,7 +494,7 @@ void Lookahead::end_direct_prediction(bool goal_moves) noexcept {
     begin(GoingDirect{}, PlanReason::kTraffic);
   else if (!arrives)
     go_on(PlanReason::kFails, -1.0);
-  else if (state_.held)  // the end of a path would hold it again
+  else if (state_.held_off)  // the end of a path would hold it again
     begin(GoingDirect{}, PlanReason::kArrives);
   else if (first)
     go_on(PlanReason::kStart, time);

@@ -86,14 +86,14 @@ class Lookahead {
   void follow(const Observation& o, Following& following) noexcept;
   void work_set_out(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void look_ahead_on_path(const Observation& o, double ahead) noexcept;
-  bool work_way(const Observation& o, double rest, long& budget) noexcept;
+  bool work_way(const Observation& o, double rest, const Following& following, long& budget) noexcept;
   bool work_onward(const Observation& o, long& budget) noexcept;
   bool begin_onward(const Observation& o) noexcept;
   bool append_onward(long& budget) noexcept;
   bool begin_pass(const Observation& o) noexcept;
   bool work_pass(long& budget) noexcept;
   void work_direct(const Observation& o, const EscapeState& escape, long& budget) noexcept;
-  void work_path(const Observation& o, const EscapeState& escape, long& budget) noexcept;
+  void work_path(const Observation& o, const EscapeState& escape, Following& following, long& budget) noexcept;
   void work_meeting(const Observation& o, long& budget) noexcept;
   void work_choice(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   bool predict(const Observation& o, const EscapeState& escape, double time, long& budget) noexcept;

@@ -25,6 +25,7 @@ struct GoingOn {
 struct Following {
   std::int64_t mark = 0;    ///< step of the last progress along the path ...
   double mark_clock = 0.0;  ///< ... and the path's clock then [s]
+  bool former = false;      ///< the path leads to the goal before, and the next way is not known yet
 };
 
 /// The robot slows down, to choose at rest.
@@ -55,16 +56,15 @@ struct PlanState {
   std::int64_t next = 0;         ///< step of the next prediction
   std::int64_t next_onward = 0;  ///< step of the next search for a path on from a goal that is passed
   int stagnations = 0;           ///< stagnations of the policy that are dealt with
-  bool fresh = false;            ///< the next step clears the policy's memory of detours
+  bool clears_detours = false;   ///< the next step clears the policy's memory of detours
   int known = 0;                 ///< number of visible objects in the step before
   bool has_goal = false;
   Isometry X_WG = Isometry::Identity();  ///< goal in the step before
   Path path;                             ///< without motions if there is none
-  bool former = false;                   ///< the path leads to the goal before, and the next way is not known yet
   bool missed = false;                   ///< the goal was passed and not reached: it is stopped at
-  int beside = 0;                        ///< steps for which it has stood within the tolerances, though not at the goal
-  bool left = false;                     ///< the last part of a path to this goal was left to the policy
-  bool held = false;                     ///< something held the robot off the end of a path to this goal
+  int steps_beside = 0;                  ///< steps for which it has stood within the tolerances, though not at the goal
+  bool left_last_part = false;           ///< the last part of a path to this goal was left to the policy
+  bool held_off = false;                 ///< something held the robot off the end of a path to this goal
 };
 
 }  // namespace moma

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "controller/describe/complete.h"
 #include "controller/describe/describe.h"
 #include "controller/safe/pose_track.h"
 #include "controller/safe/round_trip.h"
@@ -61,5 +62,7 @@ constexpr void describe(auto& v, Of<PredictionMemory>) {
   v.member("objects", &M::objects, {.text = "one for each object, in their order"});
   v.member("goal", &M::goal, {});
 }
+
+static_assert(is_complete<PredictionMemory>());
 
 }  // namespace moma

@@ -1,6 +1,8 @@
 // The look-ahead copes with goals that jump, are passed or missed, or lie beside the end of a path.
 #include <gtest/gtest.h>
 
+#include <variant>
+
 #include "tests/controller/lookahead_loop.h"
 
 namespace moma::test {
@@ -10,6 +12,12 @@ class AheadOfGoals : public Ahead {};
 
 INSTANTIATE_TEST_SUITE_P(Robots, AheadOfGoals, testing::ValuesIn(lookahead_robots()),
                          [](const auto& param) { return test_name(param.param); });
+
+// True if the robot follows the path to the goal before.
+bool follows_former(const PlanState& state) {
+  const auto* following = std::get_if<Following>(&state.doing);
+  return following != nullptr && following->former;
+}
 
 // A goal that jumps while the robot follows a path is gone on to from the velocity that it has.
 TEST_P(AheadOfGoals, GoesOnToTheNextGoalWithoutComingToRest) {
@@ -26,7 +34,7 @@ TEST_P(AheadOfGoals, GoesOnToTheNextGoalWithoutComingToRest) {
     EXPECT_EQ(state.brief.mode, PlanMode::kFollow) << "seed " << seed;
     double slowest = kInfinity;
     int steps = 0;
-    for (; state.former && steps < 20; ++steps) {
+    for (; follows_former(state) && steps < 20; ++steps) {
       loop.step();
       slowest = std::min(slowest, loop.o.qdot.lpNorm<Eigen::Infinity>());
     }
@@ -73,7 +81,7 @@ TEST_P(AheadOfGoals, PassesAGoalOnItsWayToTheNextOne) {
         if (!missed) {
           const Path before = state.path;
           loop.step();
-          gone_on += before.passes() && state.brief.mode == PlanMode::kFollow && !state.former ? 1 : 0;
+          gone_on += before.passes() && state.brief.mode == PlanMode::kFollow && !follows_former(state) ? 1 : 0;
         }
       }
       if (missed) {
@@ -129,7 +137,7 @@ TEST_P(AheadOfGoals, ClosesInOnTheGoalWhereHoldingAPathsEndDoesNotDo) {
     for (int i = 0; i < 400; ++i) loop.step();
     EXPECT_LT(loop.result.error.tail<3>().norm(), 0.001)
         << "seed " << seed << ", in mode " << to_string(state.brief.mode) << " since " << to_string(state.brief.reason)
-        << ", " << state.beside << " steps beside the goal";
+        << ", " << state.steps_beside << " steps beside the goal";
   }
 }
 
@@ -170,7 +178,7 @@ TEST_P(AheadOfGoals, WhatHoldsTheRobotOffTheEndOfAPathDoesSoOnce) {
       loop.controller.step(loop.o, loop.result);
       loop.o.time += kPeriod;
     }
-    if (!state.held) continue;
+    if (!state.held_off) continue;
     ++held;
     loop.o.q[1] += 0.3;  // far enough for a choice
     for (int i = 0; i < 500 && !loop.there(); ++i) {
@@ -204,11 +212,11 @@ TEST_P(AheadOfGoals, LeavesTheLastPartOfAPathOnce) {
     loop.step();
   }
   ASSERT_TRUE(policy_arrives());
-  EXPECT_TRUE(state.left);
+  EXPECT_TRUE(state.left_last_part);
 
   // From the last step on the path, had it been left before.
   ASSERT_EQ(memory.plan.brief.mode, PlanMode::kFollow);
-  memory.plan.left = true;
+  memory.plan.left_last_part = true;
   loop.controller.set_memory(memory);
   loop.o = o;
   for (int i = 0; i < 1000 && !loop.there(); ++i) {
@@ -218,7 +226,7 @@ TEST_P(AheadOfGoals, LeavesTheLastPartOfAPathOnce) {
   EXPECT_TRUE(loop.there());
   loop.o.goal.X_WG.translation().x() += 0.3;
   loop.step();
-  EXPECT_FALSE(state.left) << "another goal";
+  EXPECT_FALSE(state.left_last_part) << "another goal";
 }
 
 }  // namespace
