@@ -13,9 +13,6 @@
 namespace moma {
 namespace {
 
-// A value this close to its limit counts as active [m/s, rad/s].
-constexpr double kActive = 1e-8;
-
 ControllerParams checked(ControllerParams params, const RobotModel& model, double control_period) {
   ControllerParams full = resolved(std::move(params), model);
   std::string errors;
@@ -257,13 +254,13 @@ int ControllerCore::count_active(const Posed& posed) const noexcept {
     const bool loose = hard && i < posed.bounds.hard_lower.size();
     const double low = loose ? posed.bounds.hard_lower[i] : problem.lb[i];
     const double high = loose ? posed.bounds.hard_upper[i] : problem.ub[i];
-    if (x[i] - low < kActive || high - x[i] < kActive) ++active;
+    if (x[i] - low < kHeld || high - x[i] < kHeld) ++active;
   }
   for (int r = 0; r < problem.rows; ++r) {
     double value = 0.0;
     for (int i = 0; i < problem.n(); ++i) value += problem.A(r, i) * x[i];
     value -= fallback_.given(r);
-    if (value - problem.lbA[r] < kActive || problem.ubA[r] - value < kActive) ++active;
+    if (value - problem.lbA[r] < kHeld || problem.ubA[r] - value < kHeld) ++active;
   }
   return active;
 }

@@ -71,6 +71,7 @@ class BrakeGuard final : public Guard {
     check_.set_execution(now.execution.hold * dt_, now.execution.drive);
     const double kept = check_.apply(now.o, {bounds.hard_lower, bounds.hard_upper, slowest_}, now.spreads, command_,
                                      {posed.near.pairs, posed.near.ranges, &now.kinematics});
+    if (kept == 1.0) return Passes{};
     return Slowed{command_, kept};
   }
 

@@ -16,7 +16,7 @@ struct Passes {};
 /// The guard replaces the command by one within the same bounds.
 struct Slowed {
   const VectorX& command;
-  double kept;  ///< share of the QP's command in it; 1: the same
+  double kept;  ///< share of the QP's command in it, below 1
 };
 /// A QpTask replaces the task: the command becomes the QP's solution of it.
 using Verdict = std::variant<Passes, Slowed, QpTask>;

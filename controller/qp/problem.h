@@ -24,7 +24,7 @@ constexpr bool is_collision(RowKind kind) noexcept {
 inline constexpr double kNoEffect = 1e-9;
 
 /// A value this near to its limit is held by it [m/s, rad/s].
-inline constexpr double kHeld = 1e-7;
+inline constexpr double kHeld = 1e-8;
 
 /// Subject of a constraint row, with its input quantities. tracking: (component 0-5, -); object: (robot shape, object);
 /// floor: (robot shape, -); self: (robot shape, robot shape); separation: (robot shape, object); wheel: (wheel, -);
