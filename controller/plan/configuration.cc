@@ -57,7 +57,7 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
     lever[i] = lever_of(model, joint);
   }
   const double fast = plan.speed * wheels_part(model.base);
-  linear = fast * foreseen_speed(model, params.collision);
+  linear = fast * stoppable_base_speed(model, params.collision);
   angular = fast * model.base.max_angular;
   if (model.base.wheels && base->nonholonomic()) {
     rim_speed = plan.speed * model.base.wheels->radius * model.base.wheels->max_speed;

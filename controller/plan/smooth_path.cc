@@ -11,7 +11,7 @@ namespace {
 constexpr int kMostSimulated = 1000;
 constexpr int kStepsOfACheck = 20;                      // are simulated in the time of a check
 constexpr int kTriangles = Path::kMostMotions / 2 - 2;  // a plan's motions, without those at its ends
-constexpr double kThere = 0.003;                        // distance of what is reached [m, rad]
+constexpr double kReached = 0.003;                      // distance of what is reached [m, rad]
 constexpr double kNoSteering = 0.05;                    // distance from which on the base does not steer any more [m]
 constexpr double kAligned = 0.02;                       // turned to the next corner, after a stop [rad]
 constexpr double kSlowest = 0.02;                       // speed up to a stop [m/s]
@@ -285,7 +285,7 @@ SmoothPath::ToGo SmoothPath::to_go(const WholeConfiguration& c) noexcept {
   }
   if (!limits_.base->nonholonomic()) {
     rest.base = std::max(rest.distance / limits_.linear, std::abs(rest.off) / limits_.angular);
-    base_there_ = rest.distance < kThere && std::abs(rest.off) < kThere;
+    base_there_ = rest.distance < kReached && std::abs(rest.off) < kReached;
     return rest;
   }
   const double cs = std::cos(robot_.at[2]), sn = std::sin(robot_.at[2]);
@@ -294,7 +294,7 @@ SmoothPath::ToGo SmoothPath::to_go(const WholeConfiguration& c) noexcept {
   const double along = direction_ * forwards;
   const bool beside = along <= 0.5 * rest.distance;
   base_there_ =
-      base_there_ || rest.distance < kThere ||
+      base_there_ || rest.distance < kReached ||
       (beside && (rest.distance < kNoSteering || (rest.distance < params_.smooth.past &&
                                                   std::abs(robot_.u[2]) > params_.smooth.turning * limits_.angular)));
   if (base_there_) return rest;
@@ -305,8 +305,8 @@ SmoothPath::ToGo SmoothPath::to_go(const WholeConfiguration& c) noexcept {
 }
 
 bool SmoothPath::arrived(const ToGo& rest, bool turns) const noexcept {
-  return base_there_ && rest.farthest < kThere && robot_.u.lpNorm<Eigen::Infinity>() < kRest &&
-         (!turns || std::abs(rest.off) < kThere);
+  return base_there_ && rest.farthest < kReached && robot_.u.lpNorm<Eigen::Infinity>() < kRest &&
+         (!turns || std::abs(rest.off) < kReached);
 }
 
 // Moves the robot for a step.

@@ -160,7 +160,7 @@ double sight_speed(const SightParams& sight, const RobotModel& model, double dec
 }
 
 double bounded_speed(const RobotModel& model, const ControllerParams& params) noexcept {
-  const double foreseen = foreseen_speed(model, params.collision);
+  const double foreseen = stoppable_base_speed(model, params.collision);
   if (!params.sight.enabled || model.base_dof() == 0) return foreseen;
   // Each of two linear velocities has its share.
   const double part = std::sqrt(1.0 / kind_of(model.base.type).num_linear());

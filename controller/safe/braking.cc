@@ -33,7 +33,7 @@ void Deceleration::stopping_times(const VectorX& u, VectorX& times) const noexce
   if (pair_) times[0] = times[1] = std::hypot(u[0], u[1]) / acceleration_[0];
 }
 
-double foreseen_speed(const RobotModel& model, const CollisionParams& params) noexcept {
+double stoppable_base_speed(const RobotModel& model, const CollisionParams& params) noexcept {
   const double most = model.base.max_linear;
   if (model.base_dof() == 0 || !params.braking.enabled || !params.object.enabled) return most;
   const double room = params.object.influence - params.object.stop;

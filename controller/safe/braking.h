@@ -33,6 +33,6 @@ double stoppable_speed(double room, double deceleration, double reaction) noexce
 
 /// Speed from which a base stops between the distances `influence` and `stop` of its rows, braking with its drive after
 /// `reaction`; at most its own maximum [m/s]. Its own maximum without rows that know braking.
-double foreseen_speed(const RobotModel& model, const CollisionParams& params) noexcept;
+double stoppable_base_speed(const RobotModel& model, const CollisionParams& params) noexcept;
 
 }  // namespace moma

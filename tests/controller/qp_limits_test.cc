@@ -195,7 +195,7 @@ TEST(Limits, ABaseIsNoFasterThanItsRowsForesee) {
   p.collision.object.stop = 0.05;
   for (const auto& model : built_robots()) {
     const ControllerParams full = resolved(p, *model);
-    const double speed = foreseen_speed(*model, full.collision);
+    const double speed = stoppable_base_speed(*model, full.collision);
     const VectorX all = VelocityBounds(*model, full, 0.02).speed();
     for (int i = 0; i + 1 < model->base_dof(); ++i) EXPECT_EQ(all[i], std::min(speed, model->velocity_limits()[i]));
     EXPECT_EQ(bounded_speed(*model, full), speed) << model->name;
@@ -208,7 +208,7 @@ TEST(Limits, ABaseIsNoFasterThanItsRowsForesee) {
     else
       EXPECT_LE(way, 0.25 + 1e-4) << model->name;
     p.collision.braking.enabled = false;
-    EXPECT_EQ(foreseen_speed(*model, p.collision), model->base.max_linear);
+    EXPECT_EQ(stoppable_base_speed(*model, p.collision), model->base.max_linear);
     p.collision.braking.enabled = true;
   }
 }

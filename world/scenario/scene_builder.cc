@@ -127,7 +127,7 @@ std::pair<VectorX, VectorX> SceneBuilder::arm_range(const Placement& placement) 
 
 bool SceneBuilder::move_arm(const Placement& placement, const Kinematics& from, const Isometry& X_WG) {
   constexpr int kMost = 100;
-  constexpr double kThere = 1e-6, kDamping = 1e-4;  // [m, rad]
+  constexpr double kTolerance = 1e-6, kDamping = 1e-4;  // [m, rad]
   const auto [low, high] = arm_range(placement);
   const Vector3 base = from.base();
   VectorX q = from.q();
@@ -135,7 +135,7 @@ bool SceneBuilder::move_arm(const Placement& placement, const Kinematics& from, 
   for (int i = 0; i < kMost; ++i) {
     at.update(base, q);
     const Vector6 error = pose_error(at.X_WE(), X_WG);
-    if (error.norm() < kThere) {
+    if (error.norm() < kTolerance) {
       further_.push_back(std::move(at));
       return check_pose(further_.back(), placement.floor_clearance, placement.self_clearance, "beside a goal");
     }
