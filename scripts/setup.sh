@@ -3,6 +3,10 @@
 # Usage: scripts/setup.sh [TARGET...]   builds these targets of CMake: `moma` (the program) unless told otherwise, `all` with tests and
 #                                       benchmarks too; `none` builds nothing.
 set -euo pipefail
+case "${1:-}" in -*)
+  sed -n '2,4s/^# //p' "$0" >&2
+  exit 2
+esac
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 readonly DAQP_VERSION=0.11.0
