@@ -9,9 +9,9 @@
 
 namespace moma {
 
-/// An object stands on what is nearer than the first, and is clear of it beyond the second [m].
+/// Gap up to which an object stands on a support, and gap beyond which it is clear of it [m].
 inline constexpr double kStands = 0.01, kLifted = 0.03;
-/// It may touch that until it is lifted clear, no deeper than this [m].
+/// Largest depth of contact with the support until the object is clear of it [m].
 inline constexpr double kPressed = 0.01;
 
 /// Returns the distance [m] between an object and another one, or the floor (kFloorSupport), in these states.

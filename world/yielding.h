@@ -20,8 +20,8 @@ class Yielding {
   /// The times of the motions of the objects that give way, in their order, at time t.
   VectorX times(double t) const;
   /// Decides for the period that begins at time t, with robot and objects where they are then. An object waits while a
-  /// part of the robot is ahead, no farther beside its course than `side` beyond half its width, and nearer than its
-  /// distance, and turns round once it has waited as long as its patience lasts, or is back at its start.
+  /// part of the robot lies ahead of it, nearer than `distance`, and beside its course by less than half its width plus
+  /// `side`. It turns round after waiting for `patience`, and when it is back at its start.
   void decide(double t, const Kinematics& kinematics, Proximity& proximity, std::span<const ObjectState> states);
 
  private:

@@ -45,7 +45,7 @@ void read_remembered(MapReader& in, const RobotModel& model, ControllerMemory& m
     config::read_described(*prediction, in.key_of("prediction"), memory.prediction);
 }
 
-// A memory has the sizes of its controller, or nothing is known of what it means.
+// Rejects a memory whose sizes differ from the controller's: its numbers have no meaning.
 void check_prediction(const ControlCase& c, const Node& state) {
   if (c.memory.prediction.computed.empty()) return;
   const Node* node = state.find("prediction");
@@ -77,7 +77,7 @@ void read_state(const Node& node, const RobotModel& model, ControlCase& c) {
   }
   read_remembered(in, model, c.memory);
   if (const Node* boxes = in.get("map")) read_boxes(*boxes, in.key_of("map"), c.controller.map, c.memory.map);
-  // A fixed base may stand anywhere, but it has to stand somewhere only where it can move.
+  // A fixed base may have a pose too.
   if (model.mobile()) in.require("base", "[x, y, phi] of the base in metres and radians");
   read_sensed(in, model, c.observation);
   in.finish();

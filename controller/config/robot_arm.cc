@@ -239,7 +239,8 @@ class ArmReader {
     written_["ready"] = description::list_to_json(values);
   }
 
-  // Value of a joint that is not driven: locked, or 0 within its limits, or what the joint it mimics makes of it.
+  // Returns the held value of a joint: its locked value, `ready` of a driven joint, what follows from the joint it
+  // mimics, or 0 clamped into its limits.
   double held_value(int link, int depth) {
     const UrdfJoint& joint = joint_of(link);
     if (const auto found = locked_.find(link); found != locked_.end()) return found->second;

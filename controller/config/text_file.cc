@@ -16,7 +16,8 @@ std::string read_text_file(const fs::path& file) {
     throw std::runtime_error("more than " + std::to_string(kMaxTextBytes >> 20U) + " MiB of text");
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error("cannot be read (permissions?)");
-  // By read() alone: what copies whole streams takes a fault, or memory that is short, for the end of the file.
+  // Uses read(): functions that copy whole streams mistake an error of reading, or memory that runs out, for the end of
+  // the file.
   std::string text;
   std::vector<char> part(1U << 16U);
   do {

@@ -27,10 +27,10 @@ struct Draft {
   config::MeshSolids meshes;  ///< solids of the URDF's meshes, for whoever reads the robot again
 };
 
-/// Proposes base, tip, limits, posture and shapes from a URDF alone (base_guess.h, arm_guess.h, posture.h), and checks
-/// the proposal by reading it. The same file gives the same text. Takes a few seconds for large meshes. Throws
-/// config::ConfigError for errors that a robot file with this URDF would have, for a URDF without a driven joint, and
-/// for xacro, with the command that expands it.
+/// Proposes base, tip, limits, posture and shapes from a URDF alone (guess.h, posture.h), and checks the proposal by
+/// reading it. The same file gives the same text. Takes a few seconds for large meshes. Throws config::ConfigError for
+/// errors that a robot file with this URDF would have, for a URDF without a driven joint, and for xacro, with the
+/// command that expands it.
 Draft draft_robot(const DraftOptions& options);
 
 /// True if a file is a URDF (or xacro) by its name or its beginning, rather than a robot file.

@@ -21,8 +21,9 @@ enum class Rest { kEvenly, kEach };
 /// direct way if one is free and quicker than the policy, otherwise a planned one that is quicker. The work consists of
 /// pieces of planning, counted in checks; its result does not depend on how they are spread over control steps.
 ///
-/// What moves counts as standing where its twist takes it while the base drives straight to where it is (an arm: in a
-/// second): ways to a goal in motion lead there, and they keep clear of objects there.
+/// A goal or object in motion counts as resting at its meeting place: where its twist takes it in the time in which the
+/// base drives straight to its present place (for a fixed arm, in `decisions.meet_time`). Ways lead to the goal's
+/// meeting place and keep clear of those of objects.
 ///
 /// Ways lead around space that no sensor has seen (map.unseen.around), or through it if none is found.
 ///

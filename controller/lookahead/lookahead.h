@@ -28,8 +28,9 @@ namespace moma {
 /// else it looks for a direct way alone. A robot on a path searches one from where it will be in a moment, or a quicker
 /// path: every `period` seconds on a planned path, and at once if its goal jumps. If it finds none, the policy takes
 /// over once its prediction is quicker than the rest of the path. If the path is blocked or the robot makes no
-/// progress, the look-ahead chooses again. A goal in motion is the policy's as long as it is predicted to arrive or to
-/// pursue the goal; else a path to where the goal is expected brings the robot to where the policy arrives.
+/// progress, the look-ahead chooses again. The policy pursues a goal in motion as long as its prediction arrives or
+/// keeps pursuing. Otherwise the robot follows a path to the goal's expected place until the policy's prediction
+/// arrives.
 ///
 /// One per controller. Only construction and reset() allocate.
 class Lookahead {

@@ -21,10 +21,10 @@ bool in_view(const Sensor& sensor, const Vector3& p_C) noexcept;
 /// head: a point 1 m behind the base and 0.5 m above the floor. Whatever hides it does not count. Allocates.
 bool looks_behind(const RobotModel& model);
 
-/// Choice of where a sensor on a head looks: the view with the most worth in it, times the time since it was looked at,
-/// over the time that a look takes. So a view that shows nothing new, since an arm hides it, gives way to others, and
-/// comes back. Views are half a field of view apart; a new one is chosen once the last was taken, or if the head is not
-/// there a second after it could be. Only the constructor allocates.
+/// Chooses the next view of a sensor on a head: the one with the largest worth x (time since its last frame) / (time of
+/// the turn and a frame). A view that the arm hides thus gives way to others and is tried again later. Views are half a
+/// field of view apart; a new one is chosen once the last was taken, or if the head is not there a second after it
+/// could be. Only the constructor allocates.
 class GazeChoice {
  public:
   explicit GazeChoice(const MountedSensor& mounted);

@@ -59,9 +59,9 @@ class OccupancyMap {
 
   enum class Kind { kOccupied, kUnseen };
   /// Covers the cells of a kind inside `region` with disjoint boxes of at most kLongest cells an edge, at most as many
-  /// as `boxes` has capacity for. Keeps the given boxes that touch the region and have cells of the kind alone. Of the
-  /// unseen cells those count that are in a cube with edges of `unseen.least` in which no cell is free: what is larger
-  /// than that cannot hide in the others. What lies outside the window is not free.
+  /// as `boxes` has capacity for. Keeps the given boxes that touch the region and have cells of the kind alone. Unseen
+  /// cells count only in a cube with edges of `unseen.least` without a free cell: nothing larger than the cube can hide
+  /// in the others. What lies outside the window is not free.
   void cover(Kind kind, CellBox region, std::vector<CellBox>& boxes) noexcept;
 
   static constexpr int kUnseen = -128;

@@ -280,8 +280,8 @@ void SeenMap::free_near(const Shape& shape, const Isometry& X_WS, double margin,
           map_.take_for_free(c, surely);
 }
 
-// What counts as free as the robot starts: cells that lie within `start` of its shapes as a whole, and more around the
-// box of its base, since no sensor looks between the base, what stands on it, and the arm.
+// Frees cells at the start of a motion: those that lie within `start` of the robot's shapes as a whole, and those whose
+// middle lies within kBeside of the box of its base. No sensor looks between the base, what stands on it, and the arm.
 void SeenMap::believe_start() noexcept {
   Eigen::AlignedBox3d body;
   const double start = params_.unseen.start - 0.5 * std::sqrt(3.0) * map_.cell();

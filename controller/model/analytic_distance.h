@@ -19,8 +19,8 @@ PointDistance point_distance(const Shape& shape, const Vector3& p_S) noexcept;
 double point_gap(const Shape& shape, const Vector3& p_S) noexcept;
 
 /// Closed forms: sphere against sphere, box, cylinder and capsule; capsule against capsule, and against box and
-/// cylinder while its axis is outside (segment_distance.h). Unlike an iterative method they stay exact if axes cross or
-/// a centre is inside. Empty for any other pair.
+/// cylinder while its axis is outside (capsule_distance). Unlike an iterative method they stay exact if axes cross or a
+/// centre is inside. Empty for any other pair.
 std::optional<Distance> analytic_distance(const Shape& first, const Isometry& X_W1, const Shape& second,
                                           const Isometry& X_W2) noexcept;
 

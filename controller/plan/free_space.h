@@ -57,9 +57,9 @@ class FreeSpace {
   void set_states(std::span<const ObjectState> states) noexcept;
   std::span<const ObjectState> states() const noexcept { return states_; }
 
-  /// Sets clearances and joint ranges. If `start` is nearer than that to an object or a limit, its own distance counts
-  /// everywhere, since no way would lead out otherwise. A joint that winds keeps to one turn around `turn`, less than
-  /// half a turn from the start. `room`: kept share of the joints' margins.
+  /// Sets clearances and joint ranges. A `start` that is nearer to an object or a joint limit lowers them to its own
+  /// distance, for all configurations; otherwise no way leads out of it. A joint that winds keeps to one turn around
+  /// `turn`, less than half a turn from the start. `room`: kept share of the joints' margins.
   void set_clearances(const Clearances& clearances, const WholeConfiguration& start, const WholeConfiguration& turn,
                       double room) noexcept;
   void set_clearances(const Clearances& clearances, const WholeConfiguration& start, double room = 1.0) noexcept {

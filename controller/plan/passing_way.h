@@ -8,11 +8,10 @@
 
 namespace moma {
 
-/// Ways to a goal that need not be stopped at: they end there in motion. The base does not slow down for the goal: the
-/// arm moves against it as far as the hand would be too quick, J_arm qdot = -part J_base v. A try draws a place of the
-/// base near the goal and joints. A differential base steers past that place (steered_drive.h), or towards the next
-/// goal; an omnidirectional one has a velocity there; a fixed one stays. Inverse kinematics reach the goal from where
-/// the base then is.
+/// Ways that pass a goal in motion. The base keeps its speed at the goal; the arm moves against the base as far as the
+/// hand would be too quick, J_arm qdot = -part J_base v. A try draws a place of the base near the goal and joints. A
+/// differential base steers past that place (steered_drive.h), or towards the next goal; an omnidirectional one has a
+/// velocity there; a fixed one stays. Inverse kinematics reach the goal from where the base then is.
 ///
 /// A part of DirectWay, which owns the other parts. Nothing allocates.
 class PassingWay {

@@ -35,8 +35,8 @@ struct PlanCounts {
 /// Plans a timed path of base and arm to one of many configurations with E at the goal:
 ///
 /// 1. Whole-body inverse kinematics give goal configurations that the controller's rows admit (whole_body_ik.h), the
-///    cheapest first. Each counts from the first tier on in which it is free. Of a goal with free directions every
-///    second try draws these.
+///    cheapest first. A configuration counts from the first tier in which it is free. For a goal with free directions,
+///    every second try draws the free coordinates.
 /// 2. Routes of the base with its arm tucked lead to some of them (route.h). The first one on which the robot moves
 ///    freely from start to goal counts (smooth_path.h).
 /// 3. Without one, a search gives edges to one of them (search.h), and shortcuts shorten them (shorten.h). Each further
@@ -46,12 +46,12 @@ struct PlanCounts {
 ///
 /// Routes and paths past corners are those of robots that drive, to goals that are not close to an object.
 ///
-/// Tiers: the plan keeps the roomy clearance first, then the smaller one, then less room to joint limits and the mean
-/// of the clearance and a share of it, then that share. If the hand is nearer to an object at the goal than the
-/// clearance, the kept distance shrinks towards that in every tier (`at_goal`), and further in the last; the mean is
-/// left out. The work consists of pieces (one inverse kinematics, or one edge's checks); the plan does not depend on
-/// how they are spread over control steps. No clock decides anything, and all draws come from the seed. Only
-/// construction and set_objects() allocate.
+/// Tiers relax the clearance in this order: `roomy`; `clearance`; the mean of `clearance` and its share `search.tight`;
+/// that share. The last two have no margins of joint limits. If the hand at its goal is nearer to an object than
+/// `clearance`, every tier keeps less near the goal (`at_goal`), the last tier least, and the tier of the mean is
+/// skipped. The work consists of pieces (one inverse kinematics, or one edge's checks); the plan does not depend on how
+/// they are spread over control steps. No clock decides anything, and all draws come from the seed. Only construction
+/// and set_objects() allocate.
 class Planner {
  public:
   Planner(std::shared_ptr<const RobotModel> model, const ControllerParams& params);

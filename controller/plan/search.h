@@ -82,10 +82,10 @@ struct SearchTask {
 /// Edges from the start to one of several goal configurations: straight there, the quickest; else by two trees that
 /// grow towards each other (RRT-Connect: Kuffner & LaValle, ICRA 2000), one from the start, one from all roots. A step
 /// that is blocked goes as far as it is free; the tree from the goals, which lie in narrow places more often, may have
-/// twice as many nodes. Where the hand is close to an object at its goal, part of the growth moves the hand
-/// straight, without turning it: from between plates no other way leads out. Base and arm of a robot that
-/// drives also move apart there: of steps that move both nearly all are blocked. Other samples have the arm tucked,
-/// between the start's and a goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
+/// twice as many nodes. If the hand at its goal is close to an object, a share of the steps translates the hand without
+/// turning it, since no other motion leads out of a gap between plates. A robot that drives then also moves its base or
+/// its arm alone, since nearly all steps of both are blocked. Other samples have the arm tucked, between the start's
+/// and a goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
 class Search {
  public:
   Search(const MotionLimits& limits, const SearchParams& params, double check_step);

@@ -94,7 +94,8 @@ bool SmoothPath::work() noexcept {
   return true;
 }
 
-// Lets the robot pass one of the two corners that it is between later: the nearer one in time, if that is possible.
+// At time t the robot is between two corners. Lets it pass one of them later, by one step of Passing: the nearer one in
+// time, or the other one if the nearer one cannot be passed later.
 void SmoothPath::tighten(double t) noexcept {
   const int i = std::clamp(static_cast<int>(t / kDriveStep), 1, steps());
   const auto target = [&](int step) { return now_.moments[static_cast<std::size_t>(step)].target; };
@@ -356,8 +357,9 @@ void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stop
   robot_.at += way;
 }
 
-// Makes triangles of the motion between even times: each leads on as far as the motion does in the middle half of its
-// time, so that no error adds up and none exceeds an acceleration. What the ends leave is spread over the whole time.
+// Approximates the motion by overlapping triangles of velocity at even times. Each triangle covers the motion's change
+// in the middle half of its time, so that errors do not add up and no acceleration is exceeded. One triangle over the
+// whole time takes up what remains at the ends.
 void SmoothPath::lay() noexcept {
   const double time = steps() * kDriveStep, spacing = time / (kTriangles + 1);
   const auto place = [&](double t) -> WholeConfiguration {

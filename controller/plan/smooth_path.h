@@ -107,7 +107,8 @@ class SmoothPath {
   CountedDraws draws_;
   Motion now_, best_;     // the best one has no corners until one is free
   double from_ = 0.0;     // time at which now_ begins to differ from the best motion [s]
-  double checked_ = 0.0;  // time from there on up to which it is free, beyond its end from its start again [s]
+  // Time up to which now_ is known to be free [s]: from from_ to its end, then from its start, added to its duration.
+  double checked_ = 0.0;
 
   Driving robot_;
   VectorX arm_end_;

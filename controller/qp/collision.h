@@ -47,8 +47,8 @@ class CollisionRows {
   /// Sets the stop distances d_s of hand and arm from objects at rest, at most the configured one [m], and the `rate`
   /// of approach xi/(d_i - d_s), at least the configured one [1/s].
   void keep_from_resting(double hand, double arm, double rate) noexcept;
-  /// Lets `braking` bound no speed of approach to what is at rest below that of these velocities, of a path that keeps
-  /// more than d_s. Null: of no path. They must stay until add().
+  /// Raises the bound of `braking` for objects at rest, the floor and the robot itself to the speed of approach of
+  /// these velocities, those of a path that keeps more than d_s. Null: no path. The vector must outlive add().
   void allow(const VectorX* path_velocities) noexcept { path_velocities_ = path_velocities; }
 
   /// The pairs of the last select() within their d_i, sorted nearest first; there may be more than max_pairs.

@@ -23,8 +23,8 @@ struct PredictionMemory {
   Vector3 base = Vector3::Zero();  ///< filtered (x, y, phi) as of the last measurement
   bool catching_up = false;        ///< joints still follow commands that had waited longer (Predictor::send)
   int drive = 0;                   ///< index of the drive that the base is taken to have (Predictor)
-  double slowing = 1.0;            ///< least share of its deceleration that a drive had that was found so far
-  /// `base_velocity` by the ramp of each drive alone, of as many periods as round trips are tried, side by side.
+  double slowing = 1.0;            ///< least share of the deceleration among the drives found since reset()
+  /// `base_velocity` by the ramp of each candidate drive: one block per drive, one entry per candidate round trip.
   std::vector<Vector3> driven;
   /// Sums of the base's gains, velocity measured / commanded, for each of its velocities (Predictor).
   Vector3 gain_measured = Vector3::Zero(), gain_commanded = Vector3::Zero();

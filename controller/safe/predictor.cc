@@ -153,10 +153,10 @@ void Predictor::follow_command() noexcept {
   }
 }
 
-// Finds round trip and drive together: a slow drive that is as late as it was said to be, and a quick one that is
-// later, look alike for a while, and one after the other each would take what is the other's. What is late by a part of
-// a period, more or less, is no misfit, and another drive has to be clearly better than the present one of any
-// lateness.
+// Estimates the round trip and the drive together. A slow drive with the configured latency and a quick drive with a
+// longer one look alike for a while; estimated one after the other, each would absorb the other's error. A delay of up
+// to kPartOfPeriod of a period, either way, is no misfit. A drive replaces the present one only if its misfit is
+// clearly below that of the present drive at every round trip.
 bool Predictor::identify_base(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
   const EstimationParams& e = params_.estimation;
@@ -321,8 +321,8 @@ void Predictor::correct_base(const Vector3& measured) noexcept {
   base += (params_.base_filter > dt_ ? dt_ / params_.base_filter : 1.0) * innovation;
 }
 
-// An observer of the base's velocity: a drive that is slower than its file says, or slips, does not do what was
-// commanded, and the next commands begin where it is.
+// Observer of the base's velocity. A drive that slips, or is slower than the robot file states, lags behind its
+// commands. The ramp moves towards the measured velocity, so that the next commands begin there.
 void Predictor::correct_velocity(const Observation& o) noexcept {
   const EstimationParams& e = params_.estimation;
   PredictionMemory& m = memory_;

@@ -41,8 +41,8 @@ namespace moma {
 /// better than the present pair replaces it.
 ///
 /// Observer: where the base's measured velocity is off from its ramp's by more than noise, the ramp moves towards it,
-/// so that commands start from what the base does. Without it they run ahead of a drive that is slower than its file
-/// says until that is identified.
+/// so that commands start from what the base does. Without the observer, commands run ahead of a slow drive until the
+/// predictor has identified it.
 ///
 /// Gains: with `identify` it also estimates, for each velocity of the base, the factor g = measured / commanded of a
 /// drive that follows its command, by least squares with forgetting and the prior N(1, gain^2) under a measurement
@@ -58,7 +58,7 @@ class Predictor {
   bool identifies() const noexcept { return params_.enabled && params_.identify; }
   /// Clears the memory, for these objects and `more` whose states others set.
   void reset(std::span<const ObjectShape> objects, std::size_t more = 0);
-  /// States of those: they follow the objects in predict().
+  /// Returns the states of the `more` objects of reset(), which come after the told objects in predict().
   std::span<ObjectState> more() noexcept { return std::span(out_.objects).subspan(memory_.objects.size()); }
 
   /// Returns the state in which this step's command acts. `o` is finite, with the sizes of the robot and reset().
@@ -80,8 +80,9 @@ class Predictor {
   double lateness() const noexcept { return late_ * dt_; }
   /// Number of periods that this step's command may have to act; at least 1.
   double hold() const noexcept { return memory_.hold; }
-  /// Estimated shares of its accelerations with which the base's drive follows; of its deceleration the least that was
-  /// found so far, since a base that slips as it brakes hard shows nothing of that as it brakes gently.
+  /// Returns the estimated shares of the base's accelerations with which its drive follows. The share of the
+  /// deceleration is the least estimate since reset(): a base that slips during hard braking does not slip during
+  /// gentle braking.
   BaseRamp::Shares drive() const noexcept;
   /// Time from a command to the measurement of its velocity, configured or identified [s].
   double base_round_trip() const noexcept { return base_dof_ > 0 ? memory_.base_trip.periods * dt_ : 0.0; }

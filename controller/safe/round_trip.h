@@ -8,8 +8,8 @@ namespace moma {
 /// Round trip from a command to the measurement of its velocity, with the misfit of each candidate.
 struct RoundTrip {
   int periods = 0;  ///< present estimate
-  /// Misfit of 0, 1, 2 ... periods: mean squared difference of late [(m/s)^2, (rad/s)^2]. Of the base, of each pair of
-  /// these periods with a drive (Predictor), all periods of a drive side by side.
+  /// Misfit of each candidate of 0, 1, 2 ... periods: exponentially weighted mean of the squared difference [(m/s)^2,
+  /// (rad/s)^2]. The base has one block of candidates per drive (Predictor).
   VectorX misfit;
 };
 

@@ -18,9 +18,9 @@ std::atomic<bool> was_short{false};  // of memory, once
   throw std::bad_alloc();
 }
 
-/// If memory runs out in code that must not throw (a JSON value that is destroyed takes some, so does the message of a
-/// failing rollback, ODE cannot go on), nothing can be unwound: the program ends as if it were killed, which stores
-/// survive, but says why. Which exception it was is not always known here.
+/// If memory runs out in code that must not throw, nothing can be unwound: the destruction of a JSON value and the
+/// message of a failing rollback take memory, and ODE cannot go on. The program then says so and ends as if it were
+/// killed, which stores survive. Which exception it was is not always known here.
 [[noreturn]] void end() {
   if (was_short) {
     constexpr std::string_view kWords = "moma: out of memory\n";
@@ -31,7 +31,7 @@ std::atomic<bool> was_short{false};  // of memory, once
   std::abort();
 }
 
-/// Before all other objects of the program, which take memory too.
+/// Runs before the constructors of all other objects of the program, which take memory too.
 [[gnu::constructor(101)]] void set_ends() {
   std::set_new_handler(note_and_throw);
   usual_end = std::set_terminate(end);

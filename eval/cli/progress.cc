@@ -74,7 +74,7 @@ void StatusLine::show(const std::function<std::string()>& text, bool now) {
   const auto time = std::chrono::steady_clock::now();
   if (!now && time - last_ < std::chrono::milliseconds(terminal_ ? 200 : 5000)) return;
   last_ = time;
-  // Fails without a word where nobody listens.
+  // An error is ignored: standard error may be closed.
   std::fputs((terminal_ ? "\r" + text() + "\033[K" : text() + "\n").c_str(), stderr);
   std::fflush(stderr);
   drawn_ = terminal_;

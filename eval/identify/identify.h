@@ -55,10 +55,9 @@ struct Found {
   std::vector<std::string> notes;  ///< quantities without an estimate, with reasons, for a person
 };
 
-/// Estimates round trips (the n that explains velocities best, 0 to 2 s), gains, ramps (response.h) and noise
-/// (noise.h). All n are compared on the same rows, those after the longest round trip. A latency is reported only if
-/// commands change and the best n explains the motion clearly better than the worst: its squared misfit is below 0.7 of
-/// the worst.
+/// Estimates round trips (the n that explains velocities best, 0 to 2 s), gains, ramps and noise (response.h). All n
+/// are compared on the same rows, those after the longest round trip. A latency is reported only if commands change and
+/// the best n explains the motion clearly better than the worst: its squared misfit is below 0.7 of the worst.
 ///
 /// A log does not show biases, drift of the odometry, detection, or the age of objects and goal without stamps.
 ///

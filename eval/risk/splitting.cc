@@ -114,7 +114,7 @@ class Splitter {
   }
 
   /// Ends the replicate if half of its particles are events; otherwise kills up to the next level and replaces the
-  /// killed by copies. `scores`: sorted, of all that the particles are the highest of.
+  /// killed by copies. `scores`: sorted, of all draws of which the particles are the highest.
   void select(Run& run, Replicate& replicate, std::vector<double> scores) {
     const std::size_t n = options_.particles;
     const double level = scores[scores.size() - n + n / 2 - 1];

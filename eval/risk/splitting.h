@@ -10,9 +10,8 @@
 
 // Probabilities of rare events by adaptive multilevel splitting. Particles drawn from their distribution are sorted by
 // a score. The lower half is killed, copies of the others replace it and move above the level, until the event is
-// common among the particles. The particles are the highest of many more first draws: these cost no more than the
-// levels that they spare, and what is left after so many levels descends from few draws. This part knows no robot,
-// trial or store.
+// common among the particles. The first particles are the highest of D times as many draws. The extra draws cost no
+// more than the levels that they replace, and leave more distinct ancestors. This part knows no robot, trial or store.
 namespace moma::risk {
 
 /// Score of the event. All other scores are lower; they increase with nearness.

@@ -16,7 +16,7 @@
 
 namespace moma::run {
 
-/// A world of a suite's families with moved random numbers (world/moves.h).
+/// A world of a suite's families with moved random numbers (world/draws.h).
 struct MovedWorld {
   std::uint64_t index = 0;
   std::shared_ptr<const Moves> moves;  ///< null: no moves, the suite's own world

@@ -91,8 +91,8 @@ void mend_grips(World& world) {
   for (WorldGoal& goal : world.further) one(goal);
 }
 
-/// A candidate that passes in the own noise is tried in the others only this many times in vain, and as often again for
-/// each one that fails there: what fails in one noise of eight hardly ever fails in another one.
+/// Budget of candidates that pass in their own noise and, tried in the others, are not accepted. Each one that is
+/// accepted adds as many. A world that fails in one noise of eight hardly ever fails in another one.
 constexpr int kTriesInVain = 4;
 
 class Shrinker {

@@ -33,11 +33,12 @@ struct Shrunk {
 
 /// Finds the smallest world in which a stored trial's point still fails by the same outcome, a collision with the same
 /// object, before twice its time and a second. A candidate is accepted if it fails in as many noises as the trial's
-/// world, or in half of them; the first failing noise becomes its own. Noises but the own one are asked only as long as
-/// this pays. The search tries in turn: fewer goals; fewer objects (eval/risk/shrink_set.h), each of which keeps its
-/// own noise; disturbances off; objects at rest; a later start; a nearer goal; rounded numbers. Last, with all noises
-/// asked, no single object can be taken away. The same world and number of trials result for any number of threads.
-/// Throws store::StoreError; RunError if the trial did not fail, or does not fail again.
+/// world, or in half of them; the first failing noise becomes its own. Other noises than the world's own are simulated
+/// only while candidates that pass in their own noise still fail in others. The search tries in turn: fewer goals;
+/// fewer objects (eval/risk/shrink_set.h), each of which keeps its own noise; disturbances off; objects at rest; a
+/// later start; a nearer goal; rounded numbers. Last, with all noises simulated, no single object can be taken away.
+/// The same world and number of trials result for any number of threads. Throws store::StoreError; RunError if the
+/// trial did not fail, or does not fail again.
 Shrunk shrink(const ShrinkRequest& request, const Listener& listener = {});
 
 }  // namespace moma::run

@@ -33,7 +33,7 @@ struct Verification {
   std::vector<std::string> in_doubt;     ///< checks that were not possible: the store is then not sound
   std::size_t searches = 0;              ///< run again over their stored trials (verify_searches())
   std::size_t verdicts = 0;              ///< searches whose verdict was computed again
-  /// Trials without a column's value that come out with one.
+  /// Number of replayed trials, by column, whose stored row has no value and whose replay has one.
   std::map<std::string_view, std::size_t> missing;
   std::string hash;  ///< over every result: equal hashes mean equal rows
   End end = End::kFinished;

@@ -77,8 +77,8 @@ struct Checker {
         "sqlite_schema WHERE type = 'trigger'");
   }
 
-  /// Checks shown names: the file's, or NAME@2, NAME@3 ... where that was taken (free_name()). A suite,
-  /// controller or metric that goes by another's name would be taken for it.
+  /// Checks shown names: the file's, or NAME@2, NAME@3 ... if that was taken (free_name()). A suite, controller or
+  /// metric with another's name would be mistaken for it.
   void check_names() {
     for_rows<std::string, std::string, std::string>(
         db,

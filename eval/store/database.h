@@ -43,7 +43,7 @@ StoreError explain(const SQLite::Exception& error, const fs::path& file, StoreEr
 /// Returns a warning if the file is on a network file system, whose locks SQLite cannot trust; otherwise "".
 std::string file_system_warning(const fs::path& file);
 
-/// Counts the trials that ended because real time ran out; earlier versions stored them (plugin/host/late.h).
+/// Counts the trials that ended because real time ran out; earlier versions stored them (plugin/host/plugin.h).
 std::size_t count_late(const SQLite::Database& db);
 /// Removes these trials, so that they are computed again; returns their number. Reads all rows once.
 std::size_t forget_late(SQLite::Database& db);

@@ -89,7 +89,7 @@ struct Importer {
     return summary;
   }
 
-  /// A column that moma's tables have there and not here would be lost.
+  /// Rejects a source with a column of moma's tables that this store does not have: it would be lost.
   void check_columns() {
     const std::set<std::string> own = own_names();
     for (const std::string& table :

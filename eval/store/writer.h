@@ -81,11 +81,11 @@ class Writer {
   /// Links trials shared by several points, and closes the invocation's record.
   void finish(RunStatus status);
 
-  /// finish(RunStatus::kFailed) on the way out of another failure: as far as it can be done, and without a word.
+  /// Calls finish(RunStatus::kFailed) during another error, and ignores its own errors.
   void fail() noexcept;
 
-  /// Under the store's lock, before begin(): nobody else writes, so what still says that it runs was killed. Marks it
-  /// as failed; returns when those runs began.
+  /// Marks invocations that still have the status `running` as failed, and returns when they began. Call it under the
+  /// store's lock and before begin(): nobody else writes then, so that these runs were killed.
   std::vector<std::string> close_killed();
 
   /// Rows committed by this writer.

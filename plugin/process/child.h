@@ -51,9 +51,9 @@ class Child {
   /// Receives at least one byte; `got`: number of bytes.
   Wait receive(std::span<unsigned char> room, std::size_t& got, Clock::time_point until) noexcept;
 
-  /// Lets it see the end of its input, upon which it should go.
+  /// Ends the child's standard input, which asks it to exit.
   void hang_up() noexcept;
-  /// Waits for its end, kills it where that does not come. True where it had to be killed.
+  /// Waits for the child's exit until `until`, then kills it. Returns true if it was killed.
   bool end(Clock::time_point until) noexcept;
   /// Words for its end, after end(): "ended with exit code 3", "was ended by signal 11 (Segmentation fault)".
   std::string ending() const;

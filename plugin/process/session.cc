@@ -99,7 +99,7 @@ std::span<const unsigned char> Session::exchange(Frame kind, std::span<const cha
   std::memcpy(out_.data(), header, sizeof header);
   std::memcpy(out_.data() + sizeof header, payload.data(), payload.size());
   if (child_.send(out_, due.until) == Child::Wait::kLate) late(due);
-  return answer(wanted, due);  // where it ended, it may have said why before
+  return answer(wanted, due);  // a process that has ended may have sent its error first
 }
 
 void Session::set_up(const std::shared_ptr<const std::string>& setup, double control_period) {

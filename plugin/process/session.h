@@ -57,7 +57,7 @@ class Session {
   void hang_up() noexcept { child_.hang_up(); }
 
  private:
-  /// Until when something is to be answered.
+  /// Deadline of an answer.
   struct Due {
     const char* to;  ///< "to a step"
     double seconds;

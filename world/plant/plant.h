@@ -155,8 +155,8 @@ class Plant {
 std::unique_ptr<Plant> make_plant(std::shared_ptr<const RobotModel> model, const World& world,
                                   const SimulationConfig& simulation, const PlantConditions& conditions = {});
 
-/// Returns the robot `empty` with the object in its hand as a last shape; without one, `empty`. What `now`, with E at
-/// X_WE, carries and the result does not, stands there in the world from then on.
+/// Returns the robot `empty` with the object in its hand as a last shape; without one, `empty`. An object that `now`
+/// carries and the result does not is put down: `world` gets its pose, with E at X_WE.
 std::shared_ptr<const RobotModel> with_carried(const std::shared_ptr<const RobotModel>& empty, const RobotModel& now,
                                                const Isometry& X_WE, const std::optional<Carried>& carried,
                                                World& world);

@@ -17,9 +17,9 @@
 
 namespace moma {
 
-/// False detections: balls that a trial's sensors see now and then where nothing is. Time is cut into spans; in each, a
-/// ball is there with its probability, at rest, at a place that is drawn in a ring about where the base is as the span
-/// begins. The controller is told of their shapes after those of the world's objects.
+/// False detections: balls that a trial's sensors see where nothing is. Time is cut into spans. In each span a ball
+/// exists with its probability; it rests at a place that is drawn in a ring about the base's place at the beginning of
+/// the span. The controller is told of their shapes after those of the world's objects.
 class Phantoms {
  public:
   Phantoms(const FalseDetections& rule, const DisturbanceStreams& streams, double control_period);
@@ -37,10 +37,10 @@ class Phantoms {
   std::vector<ObjectState> states_;
 };
 
-/// The sensors between the simulated robot and its controller: turns the truth into what is sensed. Each measurement
-/// is made at a control step and takes its errors then: odometry, bias, noise, in this order; a delay hands on the
-/// measurement of an earlier step as it was made, and before the first is due, the first. `model` outlives it. One per
-/// trial.
+/// The sensors between the simulated robot and its controller: turns the truth into what is sensed. Each measurement is
+/// made at a control step and takes its errors there: odometry, bias, noise, in this order. A delay returns the
+/// measurement of an earlier step unchanged; until the first one is due, it returns the first. `model` outlives it. One
+/// per trial.
 class Sensing {
  public:
   Sensing(const Disturbances& disturbances, const RobotModel& model, const World& world, double control_period);
