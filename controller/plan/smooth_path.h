@@ -105,8 +105,8 @@ class SmoothPath {
   double limit_ = 0.0, within_ = 0.0;  // of the path, and of the next try [s]
   int tries_ = 0;
   CountedDraws draws_;
-  Motion now_, best_;     // the best one has no corners until one is free
-  double from_ = 0.0;     // time at which now_ begins to differ from the best motion [s]
+  Motion now_, best_;  // the best one has no corners until one is free
+  double from_ = 0.0;  // time at which now_ begins to differ from the best motion [s]
   // Time up to which now_ is known to be free [s]: from from_ to its end, then from its start, added to its duration.
   double checked_ = 0.0;
 
