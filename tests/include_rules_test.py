@@ -22,6 +22,7 @@ RULES = [
     ("controller/policy", "controller/(solver|guard|config|case|controller(_core)?)[./]", None, "a policy asks without knowing who solves or who guards"),
     ("controller/guard", "controller/(solver|policy|lookahead|task/escape|config|case|controller(_core)?)[./]", None, "a guard judges a command without knowing how it was found"),
     ("controller/plan", "controller/(lookahead|qp|solver|closed_form|config|case|controller(_core)?)[./]", None, "paths are laid for a robot, not for a controller"),
+    ("controller/map", "controller/(task|qp|solver|closed_form|policy|guard|lookahead|plan|safe|config|case|params|controller(_core)?)[./]", None, "a map keeps what was seen and knows nothing of its use"),
     ("controller/(task|qp|solver|closed_form|safe)", "controller/lookahead/", None, "a step does not know that another looks ahead over it"),
     ("controller/closed_form", "controller/(task|solver|controller(_core)?)[./]", None, "the closed forms need no solver and no task"),
     ("controller/(task|qp|solver|closed_form)", "controller/(config|case)/", None, "problems are built from plain parameters, not from files"),
@@ -75,6 +76,7 @@ SAMPLES = """
     controller/task/a.cc=controller/qp/problem.h controller/qp/e.cc=controller/solver/solver.h
     controller/policy/a.cc=controller/solver/fallback.h controller/guard/a.cc=controller/policy/policy.h
     controller/plan/a.cc=controller/qp/problem.h controller/safe/b.cc=controller/qp/limits.h
+    controller/map/a.cc=controller/plan/plan_params.h
     controller/safe/a.cc=controller/lookahead/rollout.h controller/solver/a.cc=controller/task/servo.h
     controller/closed_form/a.cc=controller/task/servo.h world/g.cc=controller/controller_core.h
     eval/cli/g.cc=controller/controller_core.h controller/config/a.cc=controller/case/solve.h
