@@ -11,7 +11,7 @@
 #include "eval/stats/intervals.h"
 
 // The comparison of B with A on the same worlds. `moma compare`, the verdict of a search, `moma reproduce` and Python
-// use it; the report page computes the same (reports/web/src/stats.ts).
+// use it; the report page computes the same (reports/web/src/compare.ts).
 namespace moma::stats {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

@@ -15,6 +15,7 @@ namespace {
 
 using nlohmann::json;
 
+/// tests/reports/browser/units_test.mjs asks the page for the same numbers.
 const json& reference() {
   static const json kReference = json::parse(std::ifstream(MOMA_SOURCE_DIR "/tests/data/stats_reference.json"));
   return kReference;
@@ -171,6 +172,14 @@ TEST(Stats, DifferenceOfPairedRatesAsPublished) {
   EXPECT_EQ(difference_of_paired_rates(30, 0, 30).high, 1.0);
   EXPECT_THROW((void)difference_of_paired_rates(2, -1, 9), std::invalid_argument);
   EXPECT_THROW((void)difference_of_paired_rates(5, 5, 9), std::invalid_argument);
+}
+
+TEST(Stats, DifferenceOfPairedRatesAsThePaperHasIt) {
+  for (const json& c : reference()["paired_rates"]) {
+    const Interval interval = difference_of_paired_rates(c["only_b"], c["only_a"], c["n"]);
+    EXPECT_NEAR(interval.low, c["low"].get<double>(), 1e-12) << c;
+    EXPECT_NEAR(interval.high, c["high"].get<double>(), 1e-12) << c;
+  }
 }
 
 // Over all outcomes of n worlds with their probabilities: the interval holds the true difference as often as it says.

@@ -1,4 +1,4 @@
-"""Writes tests/data/stats_reference.json: numbers of eval/stats as SciPy and statsmodels give them.
+"""Writes tests/data/stats_reference.json: numbers of eval/stats and of the report page as SciPy and statsmodels give them.
 
 Run once, with both in a virtual environment: python tests/tools/stats_reference.py
 """
@@ -23,6 +23,15 @@ mcnemar = [
     for a, b in [(1, 0), (0, 5), (5, 5), (3, 12), (40, 61), (0, 30), (300, 260), (7, 8)]
 ]
 
+# Bonett & Price 2012, as the paper has it: neither library does.
+z = scipy.stats.norm.ppf(0.975)
+paired_rates = []
+for a, b, n in [(1, 7, 21), (0, 0, 10), (0, 30, 30), (12, 3, 100), (260, 300, 5000)]:
+    p, q = (a + 1) / (n + 2), (b + 1) / (n + 2)
+    half = z * ((p + q - (q - p) ** 2) / (n + 2)) ** 0.5
+    low, high = max(-1.0, q - p - half), min(1.0, q - p + half)
+    paired_rates.append({"only_a": a, "only_b": b, "n": n, "low": low, "high": high})
+
 holm = []
 for p in ([0.01], [0.01, 0.04, 0.03, 0.005], [0.5, 0.5, 0.6], [0.04, 0.04, 0.04, 0.9, 0.0001]):
     holm.append({"p": p, "adjusted": list(multipletests(p, method="holm")[1])})
@@ -39,6 +48,5 @@ for n, shift, scale in [(12, 0.0, 1.0), (60, 0.3, 2.0), (200, -1.5, 0.5)]:
 
 target = pathlib.Path(__file__).parents[1] / "data" / "stats_reference.json"
 origin = f"tests/tools/stats_reference.py with scipy {scipy.__version__}, statsmodels {statsmodels.__version__}"
-target.write_text(
-    json.dumps({"origin": origin, "wilson": wilson, "mcnemar": mcnemar, "holm": holm, "bootstrap": bootstrap}) + "\n"
-)
+parts = {"wilson": wilson, "mcnemar": mcnemar, "paired_rates": paired_rates, "holm": holm, "bootstrap": bootstrap}
+target.write_text(json.dumps({"origin": origin, **parts}) + "\n")

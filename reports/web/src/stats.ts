@@ -28,14 +28,14 @@ export function mcnemar(b: number, c: number): number {
   return Math.min(1, 2 * sum);
 }
 
-/**
- * Difference of two paired rates: `onlyA` and `onlyB` of n pairs are hits of one alone; value B - A, with the adjusted
- * Wald interval of Bonett and Price (J. Educ. Behav. Stat. 37, 2012) and the exact McNemar test.
- */
-export function pairedRate(onlyA: number, onlyB: number, n: number): Interval & { value: number; p: number } {
+/** Difference B - A of two paired rates: `onlyA` and `onlyB` of n pairs are hits of one alone. */
+export interface PairedRate extends Interval { onlyA: number; onlyB: number; n: number; value: number; p: number }
+
+/** With the adjusted Wald interval of Bonett and Price (J. Educ. Behav. Stat. 37, 2012) and the exact McNemar test. */
+export function pairedRate(onlyA: number, onlyB: number, n: number): PairedRate {
   const [a, b] = [(onlyA + 1) / (n + 2), (onlyB + 1) / (n + 2)];
   const half = kZ * Math.sqrt((a + b - (b - a) ** 2) / (n + 2));
-  return { value: (onlyB - onlyA) / n, low: Math.max(-1, b - a - half), high: Math.min(1, b - a + half), p: mcnemar(onlyA, onlyB) };
+  return { onlyA, onlyB, n, value: (onlyB - onlyA) / n, low: Math.max(-1, b - a - half), high: Math.min(1, b - a + half), p: mcnemar(onlyA, onlyB) };
 }
 
 /** Holm's step-down correction, in the order given. */

@@ -87,6 +87,32 @@ const some = spearman(twenty, twenty.map((i) => (7 * i) % 20));
 check(some.interval.low < some.value && some.value < some.interval.high && some.interval.low > -1 && some.interval.high < 1, 'else it has one');
 check(Number.isNaN(bootstrapMean([1, 2, 3, 4, 5]).low), 'five differences are too few for the interval of a mean');
 check(bootstrapMean([1, 2, 3, 4, 5, 6]).low >= 1 && bootstrapMean([1, 2, 3, 4, 5, 6]).high <= 6, 'six are enough');
+// The numbers that stats_test.cc asks the program for.
+{
+  const { wilson, mcnemar, holm, pairedRate } = await load('stats');
+  const reference = JSON.parse(readFileSync(join(source, 'tests/data/stats_reference.json'), 'utf8'));
+  const same = (found, wanted, what) => check(near(found, wanted, 1e-12 + 1e-10 * Math.abs(wanted)), `${what}: ${found}, wanted ${wanted}`);
+  const interval = (found, wanted) => ['low', 'high'].forEach((key) => same(found[key], wanted[key], JSON.stringify(wanted)));
+  for (const one of reference.wilson.filter((c) => c.confidence === 0.95)) interval(wilson(one.k, one.n), one);
+  for (const { a, b, p } of reference.mcnemar) same(mcnemar(a, b), p, `McNemar's test of ${a} and ${b}`);
+  for (const one of reference.paired_rates) interval(pairedRate(one.only_a, one.only_b, one.n), one);
+  for (const { p, adjusted } of reference.holm) holm(p).forEach((found, i) => same(found, adjusted[i], `Holm's correction of ${p}`));
+}
+// As in StatsComparison.AnErrorIsNoSuccess: A leaves 26 of 60 worlds to errors, which gains nothing.
+{
+  const { rates, errorsText } = await load('compare');
+  const ending = (world) => (world < 31 ? 'success' : 'timeout');
+  const outcomes = Array.from({ length: 60 }, (_, world) => [world >= 31 && world < 57 ? 'error' : ending(world), ending(world)]).flat();
+  const told = (all) => rates({ trials: { outcome: (row) => all[row] } }, all.slice(0, all.length / 2).map((_, world) => ({ a: 2 * world, b: 2 * world + 1 })));
+  const found = told(outcomes);
+  check(found.success.n === 60 && found.success.value === 0 && found.ahead === 0 && found.errorsA === 26 && found.errorsB === 0, `errors are failures: ${JSON.stringify(found)}`);
+  check(found.sansErrors.n === 34 && found.sansErrors.both === 31, `34 worlds are without errors: ${JSON.stringify(found.sansErrors)}`);
+  check(/In 26 of these worlds.*\(A 26, B 0\), which is no success; without these worlds the difference is 0\.0 points/.test(errorsText(found, 'A', 'B')), errorsText(found, 'A', 'B'));
+  // Six worlds of B alone: p = 0.031, and 0.0625 by Holm's correction where collisions do not differ.
+  const six = told(Array.from({ length: 6 }, () => ['timeout', 'success']).flat());
+  check(six.success.p < 0.05 && six.p === 2 * six.success.p && six.ahead === 0 && six.sansErrors === null && errorsText(six, 'A', 'B') === '', `the program's rule: ${JSON.stringify(six)}`);
+  check(told(Array.from({ length: 8 }, () => ['collision', 'success']).flat()).ahead === 1, 'eight are enough');
+}
 // The same numbers as in StatsComparison.TheIntervalIsThePagesToo: draws are Philox's, by their place.
 {
   const { low, high } = bootstrapMean([0.5, -0.5, 1, -0.5, 2, 1]);

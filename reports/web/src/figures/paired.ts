@@ -1,7 +1,7 @@
 // Two controllers on the same worlds: one dot per world, A along x, B along y.
 
 import { axis, kFont, kNarrow, legend, legendHeight, nice, plain, ruler, tip, tipOf, type FigureSpec } from '../chart';
-import { pairs, pairsText, type PairedWorld } from '../compare';
+import { pairs, pairsText, rates, type PairedWorld } from '../compare';
 import { outcomeName, type Series } from '../data';
 import { integer, upper } from '../format';
 import { axisName, kMetrics, withUnit } from '../metrics';
@@ -69,7 +69,7 @@ export function paired(): FigureSpec {
       const strip = (x: number, y: number, wide: number, high: number) => ({ type: 'rect', shape: { x, y, width: wide, height: high }, style: { fill: p.rule, opacity: 0.35 } });
       return {
         height: top + side + 62,
-        note: pairsText(result, a.short, b.short, of),
+        note: pairsText(result, rates(model, result.worlds), a.short, b.short, of),
         columns: ['family', 'world', `${of.key}_a`, `${of.key}_b`, 'outcome_a', 'outcome_b', 'trial_a', 'trial_b'],
         rows: result.worlds.map((w) => [t.text('family', w.a), w.world, w.x, w.y, t.outcome(w.a), t.outcome(w.b), t.text('trial', w.a), t.text('trial', w.b)]),
         option: {

@@ -1,13 +1,13 @@
 // All shown controllers against one of them, on the worlds that both met.
 
-import { kMeanInterval, pairs, type Pairs } from '../compare';
+import { kMeanInterval, pairs, points, rates, type Pairs, type Rates } from '../compare';
 import type { Model, Series } from '../data';
 import { choice, dotted, h, replace, table } from '../dom';
 import { fixed, integer, plural, probability, signed } from '../format';
 import { kMetrics, withUnit, type Metric } from '../metrics';
 import { fillLater, footer, saveCsv } from '../panel';
 import * as state from '../state';
-import { holm, pairedRate } from '../stats';
+import { holm, type PairedRate } from '../stats';
 import { palette, seriesColour } from '../theme';
 import { baseline, rivalsOf, view } from '../view';
 
@@ -19,18 +19,13 @@ function compared(): Metric[] {
 /** More comparisons than this cost each other too much power. */
 const kMost = 12;
 
-interface Row { series: Series; rates: { name: string; only: [number, number]; n: number }[]; metrics: { of: Metric; r: Pairs }[] }
+interface Row { series: Series; rates: Rates; metrics: { of: Metric; r: Pairs }[] }
 
 function rowsAgainst(model: Model, base: Series): Row[] {
-  const t = model.trials;
   return rivalsOf(base, view().series).slice(0, kMost).map((series) => {
     const metrics = compared().map((of) => ({ of, r: pairs(model, base, series, of.key) }));
-    const worlds = metrics[0]?.r.worlds ?? [];
-    const rate = (name: string, hit: (row: number) => boolean): Row['rates'][number] => ({
-      name, n: worlds.length, only: [worlds.filter((w) => hit(w.a) && !hit(w.b)).length, worlds.filter((w) => hit(w.b) && !hit(w.a)).length],
-    });
-    return { series, metrics, rates: [rate('Success', (row) => t.success(row)), rate('Collision', (row) => t.outcome(row) === 'collision')] };
-  }).filter((row) => (row.rates[0]?.n ?? 0) > 0);
+    return { series, metrics, rates: rates(model, metrics[0]?.r.worlds ?? []) };
+  }).filter((row) => row.rates.success.n > 0);
 }
 
 export function comparison(model: Model): HTMLElement {
@@ -52,16 +47,25 @@ export function comparison(model: Model): HTMLElement {
       replace(note);
       return;
     }
-    const tested = rows.flatMap((row) => row.rates.map((r) => ({ r, ...pairedRate(...r.only, r.n) })));
-    const corrected = new Map(holm(tested.map(({ p }) => p)).map((p, i) => [tested[i]?.r, p]));
+    const tested = rows.flatMap(({ rates: { success, collision } }) => [success, collision]);
+    const corrected = new Map(holm(tested.map(({ p }) => p)).map((p, i) => [tested[i], p]));
+    const save = (of: Series, name: string, d: PairedRate, p: number | null): void => {
+      data.push([of.name, base.name, name, d.n, d.value, d.low, d.high, d.onlyA, d.onlyB, d.p, p]);
+    };
+    const sansErrors = ({ series: of, rates: { sansErrors: d } }: Row): HTMLElement | null => {
+      if (d === null) return null;
+      save(of, 'success without errors', d, null);
+      return h('small', { class: 'errors' }, d.n === 0 ? 'errors in every world' : `${points(d.value)} without errors, n\u00a0=\u00a0${integer(d.n)}`);
+    };
     replace(box, table('Paired comparison',
       ['Controller', 'Worlds', ...['Success', 'Collision'].map((name) => [name, h('small', null, 'percentage points, exact McNemar')]), ...compared().map((of) => [of.name, h('small', null, 'mean difference')])],
       rows.map((row) => [
-        dotted(seriesColour(palette(), row.series.mark), row.series.name), integer(row.rates[0]?.n ?? 0),
-        ...row.rates.map((r) => {
-          const [d, p] = [pairedRate(...r.only, r.n), corrected.get(r) ?? 1];
-          data.push([row.series.name, base.name, r.name.toLowerCase(), r.n, d.value, d.low, d.high, ...r.only, d.p, p]);
-          return [h('b', null, signed(100 * d.value, (v) => fixed(v, 1))), h('small', null, `${fixed(100 * d.low, 1)} to ${fixed(100 * d.high, 1)}, ${r.only[0] + r.only[1] === 0 ? 'no world differs' : probability(p)}`)];
+        dotted(seriesColour(palette(), row.series.mark), row.series.name), integer(row.rates.success.n),
+        ...(['success', 'collision'] as const).map((name) => {
+          const d = row.rates[name];
+          const p = corrected.get(d) ?? 1;
+          save(row.series, name, d, p);
+          return [h('b', null, points(d.value)), h('small', null, `${fixed(100 * d.low, 1)} to ${fixed(100 * d.high, 1)}, ${d.onlyA + d.onlyB === 0 ? 'no world differs' : probability(p)}`), name === 'success' ? sansErrors(row) : null];
         }),
         ...row.metrics.map(({ of, r }) => {
           data.push([row.series.name, base.name, of.key, r.differences, r.mean, r.interval.low, r.interval.high, null, null, null, null]);

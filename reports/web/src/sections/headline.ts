@@ -2,13 +2,13 @@
 // of two of them beside it, and what the one that is behind mostly fails by.
 
 import { causeOf } from '../causes';
-import { pairs, type Pairs } from '../compare';
+import { errorsText, pairs, points, rates, type Rates } from '../compare';
 import { conditions, onlyConditions } from '../conditions';
 import { grouped, type Model, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
-import { fixed, integer, percent, percentRange, plural, probability, signed } from '../format';
+import { fixed, integer, percent, percentRange, plural, probability } from '../format';
 import { afterFrame } from '../draw_order';
-import { holm, pairedRate } from '../stats';
+import { holm } from '../stats';
 import { palette, seriesColour } from '../theme';
 import { baseline, kFew, resultOf, rivalsOf, view } from '../view';
 
@@ -33,29 +33,25 @@ function rivals(shown: readonly Judged[]): [Series, Series] | null {
   return base === undefined || best === undefined ? null : [base, best];
 }
 
-type Difference = Pairs & { family: string; n: number };
+type Difference = Rates & { family: string };
 
-/** World by world, for all families together first; Holm's correction over the families. */
+/** World by world, for all families together first; `p` of a family is corrected over the families. */
 function differences(model: Model, a: Series, b: Series, families: readonly string[]): Difference[] {
   const within = (s: Series, family: string): Series => (family === '' ? s : { ...s, rows: s.rows.filter((row) => model.trials.text('family', row) === family) });
   const all = ['', ...families].map((family): Difference => {
-    const found = pairs(model, within(a, family), within(b, family), 'time_to_goal_s');
-    return Object.assign(found, { family, n: found.worlds.length });
+    const { worlds } = pairs(model, within(a, family), within(b, family), 'time_to_goal_s');
+    return { ...rates(model, worlds), family };
   });
-  const corrected = holm(all.slice(1).map((d) => d.p));
+  const corrected = holm(all.slice(1).map((d) => d.success.p));
   all.slice(1).forEach((d, i) => { d.p = corrected[i] ?? 1; });
   return all;
 }
 
-function points(value: number): string {
-  return signed(value, (v) => fixed(v, 1));
-}
-
 /** "+34.0 points, 26.9 to 40.5, p < 0.001" */
 function differenceText(d: Difference): Node[] {
-  if (d.n === 0) return [document.createTextNode('no common world')];
-  const r = pairedRate(d.onlyA, d.onlyB, d.n);
-  return [h('b', null, `${points(100 * r.value)} points`), h('span', null, `${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}, ${d.onlyA + d.onlyB === 0 ? 'no world differs' : probability(d.p)}`)];
+  const r = d.success;
+  if (r.n === 0) return [document.createTextNode('no common world')];
+  return [h('b', null, `${points(r.value)} points`), h('span', null, `${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}, ${r.onlyA + r.onlyB === 0 ? 'no world differs' : probability(d.p)}`)];
 }
 
 function track(rows: readonly { series: Series; row: SummaryRow }[]): HTMLElement {
@@ -92,13 +88,14 @@ function often(verb: string, count: number): string {
 }
 
 function sentence(a: Series, b: Series, d: Difference): string {
-  const on = `On the same ${plural(d.n, 'world')}, `;
-  if (d.both + d.onlyA + d.onlyB === 0) return `${on}neither ${a.name} nor ${b.name} reached a goal: nothing tells them apart.`;
-  if (d.onlyA + d.onlyB === 0) return `${on}${b.name} succeeded and failed exactly where ${a.name} did.`;
-  const r = pairedRate(d.onlyA, d.onlyB, d.n);
-  const verdict = d.p < 0.05 ? `${(d.onlyB > d.onlyA ? b : a).name} is ahead` : 'the difference may be chance';
-  return `${on}${b.name} ${often('succeeded', d.onlyB)} where ${a.name} failed, and ${often('failed', d.onlyA)} where it succeeded: ${verdict} `
-    + `(${points(100 * r.value)} points, 95 % interval ${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}; exact McNemar ${probability(d.p)}).`;
+  const r = d.success;
+  const on = `On the same ${plural(r.n, 'world')}, `;
+  const errors = errorsText(d, a.name, b.name);
+  if (r.both + r.onlyA + r.onlyB === 0) return `${on}neither ${a.name} nor ${b.name} reached a goal: nothing tells them apart.${errors}`;
+  if (r.onlyA + r.onlyB === 0) return `${on}${b.name} succeeded and failed exactly where ${a.name} did.${errors}`;
+  const verdict = d.ahead === 0 ? 'the difference may be chance' : `${(d.ahead > 0 ? b : a).name} is ahead`;
+  return `${on}${b.name} ${often('succeeded', r.onlyB)} where ${a.name} failed, and ${often('failed', r.onlyA)} where it succeeded: ${verdict} `
+    + `(${points(r.value)} points, 95 % interval ${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}; exact McNemar with Holm\u2019s correction, ${probability(d.p)}).${errors}`;
 }
 
 /** "holistic fails mainly in clutter: local minimum, 69 of 86." Of the trials at hand; null where it never fails. */
@@ -141,8 +138,8 @@ export function fillHeadline(model: Model, box: HTMLElement): void {
   const fails = h('p', { class: 'fails' });
   replace(box, forest(withRows, pair, told),
     later ? h('div', { class: 'paired-words soon' })
-      : pair === null || all === undefined || all.n === 0 ? null : h('div', { class: 'paired-words' }, h('p', null, sentence(...pair, all)), fails));
+      : pair === null || all === undefined || all.success.n === 0 ? null : h('div', { class: 'paired-words' }, h('p', null, sentence(...pair, all)), fails));
   if (pair === null || all === undefined) return;
-  const loser = all.onlyB >= all.onlyA ? pair[0] : pair[1];
+  const loser = all.success.onlyB >= all.success.onlyA ? pair[0] : pair[1];
   afterFrame(() => { if (view() === now) replace(fails, whereItFails(model, loser)); });
 }
