@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "controller/describe/column.h"
 #include "controller/describe/describe.h"
 #include "controller/model/proximity.h"
 #include "controller/model/upright.h"
@@ -84,6 +85,28 @@ struct Difficulty {
   double blocked_fraction = 0.0;
   double narrowest_gap_m = 0.0;  ///< least gap between two objects; NaN with fewer than two
 };
+
+/// Keys of a world file, columns of the store's table `world`, and metrics of a trial on the report page.
+constexpr void describe(auto& v, Of<Difficulty>) {
+  using D = Difficulty;
+  v.member("goal_distance_m", &D::goal_distance_m,
+           Column{.label = "goal distance",
+                  .unit = "m",
+                  .decimals = 2,
+                  .range = Range::non_negative(),
+                  .text = "from the start's tip to the goal"});
+  v.member("objects", &D::objects,
+           Column{.label = "objects", .decimals = 0, .range = {0, 1000000}, .text = "number of objects"});
+  v.member("witness_clearance_m", &D::witness_clearance_m,
+           Column{.label = "clearance of the witness", .unit = "m", .text = "its least distance to an object"});
+  v.member("blocked_fraction", &D::blocked_fraction,
+           Column{.label = "blocked part of the straight line",
+                  .decimals = 2,
+                  .range = {0.0, 1.0},
+                  .text = "of the line from start to goal, within an object grown by 5 cm"});
+  v.member("narrowest_gap_m", &D::narrowest_gap_m,
+           Column{.label = "narrowest gap between objects", .unit = "m", .text = "least gap between two objects"});
+}
 
 /// A planning problem as plain numbers: printable, editable by hand, without randomness.
 struct World {

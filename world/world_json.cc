@@ -64,15 +64,6 @@ constexpr void describe(auto& v, Of<Configuration>) {
   v.member("q", &Configuration::q, {.required = true});
 }
 
-constexpr void describe(auto& v, Of<Difficulty>) {
-  using T = Difficulty;
-  v.member("goal_distance_m", &T::goal_distance_m, {.range = Range::non_negative()});
-  v.member("objects", &T::objects, {.range = {0, 1000000}});
-  v.member("witness_clearance_m", &T::witness_clearance_m, {});
-  v.member("blocked_fraction", &T::blocked_fraction, {.range = {0.0, 1.0}});
-  v.member("narrowest_gap_m", &T::narrowest_gap_m, {});
-}
-
 constexpr void describe(auto& v, Of<Held>) {
   v.member("object", &Held::object, {.required = true, .text = "name of the object"});
   v.member("touch", &Held::touch, {.written = Written::kUnlessDefault, .text = "links that it may touch"});

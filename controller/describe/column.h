@@ -42,6 +42,7 @@ struct Column {
   Shown shown = {};
   bool in_view = true;  ///< a column of v_trials
   Earlier earlier = Earlier::kNone;
+  Range range = {};            ///< where files have the number, too
   std::string_view text = "";  ///< one line for the reference, without a full stop
 
   constexpr Column with_decimals(int digits) const { return set(&Column::decimals, digits); }
@@ -52,8 +53,10 @@ struct Column {
   constexpr bool averaged() const { return !shown.summary.empty() && shown.median.empty(); }
   constexpr Column since(Earlier value) const { return set(&Column::earlier, value); }
 
-  /// For visitors that need only unit and text.
-  constexpr operator About() const { return {.unit = unit, .text = text}; }  // NOLINT(google-explicit-constructor)
+  /// For visitors that know no store.
+  constexpr operator About() const {
+    return {.unit = unit, .range = range, .text = text};
+  }  // NOLINT(google-explicit-constructor)
 
   template <class M>
   constexpr Column set(M Column::*member, M value) const {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <string>
@@ -18,6 +19,7 @@ namespace {
 using store::Cell;
 
 Cell number(double value) { return std::isnan(value) ? Cell{} : Cell{value}; }
+Cell number(int value) { return std::int64_t{value}; }
 
 std::string motion_text(const Motion& motion) {
   struct Visitor {
@@ -49,12 +51,13 @@ void print(const World& world) {
                              vector_text(world.upright->axis), world.upright->angle);
   if (world.held) std::cout << fmt::format("held     {}\n", terminal_safe(world.held->object));
   std::cout << fmt::format("witness  base {} q {}\n\n", vector_text(world.witness.base), vector_text(world.witness.q));
-  const Difficulty& d = world.difficulty;
-  write(std::cout,
-        {{"goal distance m", "objects", "witness clearance m", "blocked fraction", "narrowest gap m"},
-         {{number(d.goal_distance_m), std::int64_t{d.objects}, number(d.witness_clearance_m),
-           number(d.blocked_fraction), number(d.narrowest_gap_m)}}},
-        Format::kTable);
+  store::QueryResult difficulty{{}, {{}}};
+  for_members<Difficulty>([&](std::string_view name, auto member, const Column&) {
+    std::string& head = difficulty.columns.emplace_back(name);
+    std::ranges::replace(head, '_', ' ');
+    difficulty.rows.front().push_back(number(world.difficulty.*member));
+  });
+  write(std::cout, difficulty, Format::kTable);
   if (world.objects.empty()) return;
   store::QueryResult objects{{"object", "shape (m)", "position", "motion"}, {}};
   for (const WorldObject& object : world.objects) {

@@ -397,8 +397,11 @@ class Shrinker {
     Kinematics kinematics(point_.robot->model);
     kinematics.update(now_.world.start.base, now_.world.start.q);
     const double unknown = std::numeric_limits<double>::quiet_NaN();
-    out_.world.difficulty = {(now_.world.goal.X_WG.translation() - kinematics.X_WE().translation()).norm(),
-                             static_cast<int>(now_.world.objects.size()), unknown, 0.0, unknown};
+    out_.world.difficulty = {
+        .goal_distance_m = (now_.world.goal.X_WG.translation() - kinematics.X_WE().translation()).norm(),
+        .objects = static_cast<int>(now_.world.objects.size()),
+        .witness_clearance_m = unknown,
+        .narrowest_gap_m = unknown};
     if (any(now_.disturbances)) {
       out_.disturbances = to_json(now_.disturbances);
       for (const std::string& place : numbers_of(out_.disturbances)) out_.on.push_back(name_of(place));

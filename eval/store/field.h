@@ -7,9 +7,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "controller/describe/column.h"
 #include "controller/describe/enumeration.h"
 #include "eval/store/hash.h"
-#include "eval/trial/column.h"
 
 // Records as rows of the store. A record describes its columns once (controller/describe). The definition of its table
 // follows here; eval/store/table.h reads and writes it.

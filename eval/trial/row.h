@@ -5,9 +5,9 @@
 #include <string>
 #include <string_view>
 
+#include "controller/describe/column.h"
 #include "controller/describe/describe.h"
 #include "controller/describe/enumeration.h"
-#include "eval/trial/column.h"
 #include "eval/trial/sample.h"
 
 namespace moma {
