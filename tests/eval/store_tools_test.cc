@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "eval/store/columns.h"
+#include "eval/store/contents.h"
 #include "eval/store/database.h"
 #include "eval/store/definition.h"
 #include "eval/store/merge.h"
@@ -345,6 +346,13 @@ void write_as_version(int version, const fs::path& fresh, const fs::path& old) {
   }
 }
 
+/// What `moma verify` finds in the file alone.
+std::vector<std::string> findings(const fs::path& file) {
+  std::vector<std::string> found;
+  store::check_contents(file, [&](const std::string& finding) { found.push_back(finding); });
+  return found;
+}
+
 TEST(Migration, AStoreOfAnOlderVersionBecomesWhatThisProgramWrites) {
   const TemporaryFolder folder;
   const fs::path fresh = folder / "fresh.db";
@@ -358,6 +366,8 @@ TEST(Migration, AStoreOfAnOlderVersionBecomesWhatThisProgramWrites) {
     } else {
       EXPECT_EQ(store::Reader(old).keys().size(), 80u) << "columns of later metrics may be missing";
     }
+    const fs::path merged = folder / fmt::format("merged-{}.db", version);
+    EXPECT_EQ(store::merge(merged, {old}).added, 80u);
     { const SQLite::Database migrated = store::open_database(old, store::Access::kReadWrite); }
     // What is new since the oldest version has its default in a store that was migrated.
     const fs::path same = folder / fmt::format("same-{}.db", version);
@@ -375,8 +385,11 @@ TEST(Migration, AStoreOfAnOlderVersionBecomesWhatThisProgramWrites) {
       if (column.about.earlier != Earlier::kNone) b.exec(fmt::format("UPDATE execution SET {} = NULL", column.name));
     EXPECT_EQ(store::schema_version(a), store::kSchemaVersion);
     EXPECT_EQ(definitions(a), definitions(b));
-    EXPECT_EQ(store::Reader(old).result_hash(), store::Reader(same).result_hash());
-    EXPECT_TRUE(store::Reader(old).integrity_problems().empty());
+    for (const fs::path& file : {old, merged}) {
+      EXPECT_EQ(store::Reader(file).result_hash(), store::Reader(same).result_hash()) << file;
+      EXPECT_TRUE(store::Reader(file).integrity_problems().empty()) << file;
+      EXPECT_EQ(findings(file), findings(same)) << file;
+    }
     for (const char* view : {"v_trials", "v_summary", "v_pairs", "point_trial"}) {
       const std::string sql = fmt::format("SELECT * FROM {} ORDER BY 1, 2, 3, 4, 5, 6, 7, 8", view);
       EXPECT_EQ(store::query(old, sql).rows, store::query(same, sql).rows) << view;
