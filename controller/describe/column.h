@@ -23,7 +23,8 @@ enum class Earlier {
 struct Shown {
   int place = 0;                  ///< distinct, from 1; 0: nowhere
   std::string_view summary = "";  ///< head in the summary of a run; "": not there
-  std::string_view median = "";   ///< column of v_summary with its median, which the summary shows; "": its mean
+  std::string_view median = "";   ///< column of v_summary with its median, which the summary shows; "": its mean.
+                                  ///< One metric has it, since views.sql names it.
   bool compared = false;          ///< by `moma compare`
   bool judged = false;            ///< by the verdict of a search
 };
@@ -54,9 +55,8 @@ struct Column {
   constexpr Column since(Earlier value) const { return set(&Column::earlier, value); }
 
   /// For visitors that know no store.
-  constexpr operator About() const {
-    return {.unit = unit, .range = range, .text = text};
-  }  // NOLINT(google-explicit-constructor)
+  // NOLINTNEXTLINE(google-explicit-constructor)
+  constexpr operator About() const { return {.unit = unit, .range = range, .text = text}; }
 
   template <class M>
   constexpr Column set(M Column::*member, M value) const {

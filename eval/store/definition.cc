@@ -24,6 +24,16 @@ namespace {
 
 static_assert(is_complete<Difficulty>(), "a member of Difficulty without its line in describe()");
 
+static_assert(
+    [] {
+      bool only = true;
+      for_members<TrialRow>([&](std::string_view name, auto, const Column& about) {
+        only = only && about.shown.median == (name == "time_to_goal_s" ? "time_to_goal_median_s" : "");
+      });
+      return only;
+    }(),
+    "views.sql has one median, that of time_to_goal_s");
+
 /// A line of CREATE TABLE for each column, with the column's description as a comment.
 std::string column_lines(std::string_view table, bool ends_table) {
   const auto& all = described_tables();
