@@ -76,13 +76,3 @@ def _listen(stream: IO[bytes], said: list[str], show: bool) -> None:
         said.append(decode(chunk))
         if show:
             print(said[-1], end="", file=sys.stderr, flush=True)
-
-
-def main() -> None:
-    """The command `moma` of the package: the program, and what only Python's libraries do."""
-    if "export" in sys.argv[1:2]:
-        from .export import main as export
-
-        sys.exit(export(sys.argv[2:]))
-    path = program()
-    os.execv(path, [path, *sys.argv[1:]])

@@ -8,6 +8,7 @@ import os
 import pathlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from .parquet import write_parquet
 from .program import run
 
 if TYPE_CHECKING:
@@ -92,6 +93,4 @@ class Store:
 
     def to_parquet(self, output: str | os.PathLike[str], statement: str = "SELECT * FROM v_trials", force: bool = False) -> pathlib.Path:
         """Writes an answer as a Parquet file, by pyarrow, which has to be installed; a whole store: moma export --parquet."""
-        from .export import write_parquet
-
-        return write_parquet(self, statement, pathlib.Path(output), force)
+        return write_parquet(*self.rows(statement), pathlib.Path(output), force)
