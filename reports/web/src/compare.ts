@@ -3,7 +3,7 @@
 import type { Model, Series } from './data';
 import { fixed, integer, probability, signed } from './format';
 import { withUnit, type Metric } from './metrics';
-import { bootstrapMean, holm, pairedRate, type Interval } from './stats';
+import { bootstrapMean, holm, pairedRate, type Interval, type PairedRate } from './stats';
 
 /** Rows of the two trials, their metric. */
 export interface PairedWorld { world: number; a: number; b: number; x: number; y: number }
@@ -60,10 +60,14 @@ export function points(value: number): string {
   return signed(100 * value, (v) => fixed(v, 1));
 }
 
+export function chance({ onlyA, onlyB }: PairedRate, p: number): string {
+  return onlyA + onlyB === 0 ? 'no world differs' : probability(p);
+}
+
 /** Follows a sentence about success; '' without errors. */
 export function errorsText({ success, errorsA, errorsB, sansErrors }: Rates, a: string, b: string): string {
   if (sansErrors === null) return '';
-  const others = sansErrors.n === 0 ? '' : `; without these worlds the difference is ${points(sansErrors.value)} points (n = ${integer(sansErrors.n)}, exact McNemar ${probability(sansErrors.p)})`;
+  const others = sansErrors.n === 0 ? '' : `; without these worlds the difference is ${points(sansErrors.value)} points (n = ${integer(sansErrors.n)}, ${chance(sansErrors, sansErrors.p)})`;
   return ` In ${integer(success.n - sansErrors.n)} of these worlds a trial ended by an error (${a} ${integer(errorsA)}, ${b} ${integer(errorsB)}), which is no success${others}.`;
 }
 

@@ -1,9 +1,9 @@
 // All shown controllers against one of them, on the worlds that both met.
 
-import { kMeanInterval, pairs, points, rates, type Pairs, type Rates } from '../compare';
+import { chance, kMeanInterval, pairs, points, rates, type Pairs, type Rates } from '../compare';
 import type { Model, Series } from '../data';
 import { choice, dotted, h, replace, table } from '../dom';
-import { fixed, integer, plural, probability, signed } from '../format';
+import { fixed, integer, plural, signed } from '../format';
 import { kMetrics, withUnit, type Metric } from '../metrics';
 import { fillLater, footer, saveCsv } from '../panel';
 import * as state from '../state';
@@ -65,7 +65,7 @@ export function comparison(model: Model): HTMLElement {
           const d = row.rates[name];
           const p = corrected.get(d) ?? 1;
           save(row.series, name, d, p);
-          return [h('b', null, points(d.value)), h('small', null, `${fixed(100 * d.low, 1)} to ${fixed(100 * d.high, 1)}, ${d.onlyA + d.onlyB === 0 ? 'no world differs' : probability(p)}`), name === 'success' ? sansErrors(row) : null];
+          return [h('b', null, points(d.value)), h('small', null, `${fixed(100 * d.low, 1)} to ${fixed(100 * d.high, 1)}, ${chance(d, p)}`), name === 'success' ? sansErrors(row) : null];
         }),
         ...row.metrics.map(({ of, r }) => {
           data.push([row.series.name, base.name, of.key, r.differences, r.mean, r.interval.low, r.interval.high, null, null, null, null]);

@@ -2,7 +2,7 @@
 // of two of them beside it, and what the one that is behind mostly fails by.
 
 import { causeOf } from '../causes';
-import { errorsText, pairs, points, rates, type Rates } from '../compare';
+import { chance, errorsText, pairs, points, rates, type Rates } from '../compare';
 import { conditions, onlyConditions } from '../conditions';
 import { grouped, type Model, type Series, type SummaryRow } from '../data';
 import { h, replace } from '../dom';
@@ -51,7 +51,7 @@ function differences(model: Model, a: Series, b: Series, families: readonly stri
 function differenceText(d: Difference): Node[] {
   const r = d.success;
   if (r.n === 0) return [document.createTextNode('no common world')];
-  return [h('b', null, `${points(r.value)} points`), h('span', null, `${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}, ${r.onlyA + r.onlyB === 0 ? 'no world differs' : probability(d.p)}`)];
+  return [h('b', null, `${points(r.value)} points`), h('span', null, `${fixed(100 * r.low, 1)} to ${fixed(100 * r.high, 1)}, ${chance(r, d.p)}`)];
 }
 
 function track(rows: readonly { series: Series; row: SummaryRow }[]): HTMLElement {
