@@ -259,6 +259,7 @@ std::size_t check_hashes(SQLite::Database& db, const std::string& schema, const 
 ContentCounts check_contents(const fs::path& file, const Found& finding) {
   ReadConnection connection(file);
   try {
+    if (lacks_columns(connection.db())) throw of_older(file);
     return Checker{connection.db(), finding}.execute();
   } catch (const SQLite::Exception& error) {
     throw explain(error, file, StoreError::Kind::kUnusable);

@@ -172,10 +172,7 @@ SQLite::Database open_database(const fs::path& file, Access access) {
       harden(db);
       if (check_identity(db, file))
         throw unusable(file, "is an empty database; a store written by 'moma run' is needed");
-      if (schema_version(db) < kSchemaVersion) {
-        throw unusable(file,
-                       "was written by an older moma; 'moma run' on it, or 'moma merge NEW OLD', brings it up to date");
-      }
+      if (schema_version(db) < kSchemaVersion) throw of_older(file);
       shadow_views(db);
       db.exec("PRAGMA query_only = ON");
       return db;

@@ -189,12 +189,15 @@ std::string temporary_views_sql() {
 std::string query_of_overall() {
   const auto& all = views();
   const auto found = std::ranges::find_if(all, [](const auto& view) { return view.first == "v_summary"; });
-  constexpr std::string_view kWith = "WITH ";
+  constexpr std::string_view kWith = "WITH ", kFrom = "FROM point_trial\n";
   // The same statement over trials whose families are one.
+  std::string sql = found->second.substr(found->second.find(kWith) + kWith.size());
+  for (std::size_t at = 0; (at = sql.find(kFrom, at)) != std::string::npos;)
+    sql.replace(at, kFrom.size(), "FROM whole\n");
   return fmt::format(
-      "WITH point_trial AS (SELECT point_id, '' AS family, outcome, time_to_goal_s, {} FROM main.point_trial),\n{}\n"
+      "WITH whole AS (SELECT point_id, '' AS family, outcome, time_to_goal_s, {} FROM point_trial),\n{}\n"
       "ORDER BY s.id, p.id",
-      summary_list(), found->second.substr(found->second.find(kWith) + kWith.size()));
+      summary_list(), sql);
 }
 
 std::string summary_index_sql() {

@@ -27,6 +27,10 @@ class StoreError : public std::runtime_error {
 inline StoreError unusable(const fs::path& file, const std::string& message) {
   return {StoreError::Kind::kUnusable, file.string() + ": " + message};
 }
+inline StoreError of_older(const fs::path& file) {
+  return unusable(file,
+                  "was written by an older moma; 'moma run' on it, or 'moma merge NEW OLD', brings it up to date");
+}
 inline StoreError not_found(const fs::path& file, const std::string& message) {
   return {StoreError::Kind::kNotFound, file.string() + ": " + message};
 }

@@ -125,13 +125,30 @@ bool has_our_views(SQLite::Database& db) {
 
 }  // namespace
 
+bool lacks_columns(SQLite::Database& db) { return !all_additions(db).empty(); }
+
 void shadow_views(SQLite::Database& db) {
-  // Without a column that the views show only the file's own can be read; they show none of searches and invocations.
-  const std::vector<std::string> lacks = all_additions(db);
-  const bool shown = std::ranges::any_of(lacks, [](const std::string& sql) {
-    return !sql.starts_with("ALTER TABLE tune_") && !sql.starts_with("ALTER TABLE invocation ");
-  });
-  if (!shown && !has_our_views(db)) db.exec(temporary_views_sql());
+  bool lacks = false;
+  const auto shadow = [&](const std::string& table, const std::string& more) {
+    if (more.empty()) return;
+    db.exec(fmt::format("CREATE TEMP VIEW {0} AS SELECT *{1} FROM main.{0}", table, more));
+    lacks = true;
+  };
+  for (const auto& [table, columns] : described_tables()) {
+    const std::set<std::string> stored = stored_columns(db, table);
+    std::string more;
+    for (const ColumnDefinition& column : columns)
+      if (!stored.contains(column.name))
+        more += fmt::format(", {} AS {}", column.type.ends_with("DEFAULT 0") ? "0" : "NULL", column.name);
+    shadow(table, more);
+  }
+  const std::set<std::string> copied = stored_columns(db, "point_trial");
+  std::string more;
+  for (const TrialColumn& column : trial_columns())
+    if (column.about.averaged() && !copied.contains(std::string(column.name)))
+      more += fmt::format(", NULL AS {}", column.name);
+  shadow("point_trial", more);
+  if (lacks || !has_our_views(db)) db.exec(temporary_views_sql());
 }
 
 void add_described_columns(SQLite::Database& db) {

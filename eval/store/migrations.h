@@ -19,7 +19,11 @@ void create_schema(SQLite::Database& db);
 /// SQLite::Exception.
 void migrate(SQLite::Database& db);
 
-/// Hides the views of another build from a read-only connection by temporary ones of this build.
+/// True if an earlier build wrote the store, whose tables lack columns of this build.
+bool lacks_columns(SQLite::Database& db);
+
+/// Hides the views of another build, and tables that lack columns, from a read-only connection by temporary views, in
+/// which these columns have their defaults.
 void shadow_views(SQLite::Database& db);
 
 /// Adds missing described columns and words, and replaces the views if they differ, in one transaction: a new metric or
