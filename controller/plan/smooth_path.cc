@@ -359,9 +359,10 @@ void SmoothPath::pursue(const ToGo& rest, const WholeConfiguration& c, bool stop
 
 // Approximates the motion by overlapping triangles of velocity at even times. Each triangle covers the motion's change
 // in the middle half of its time, so that errors do not add up and no acceleration is exceeded. One triangle over the
-// whole time takes up what remains at the ends.
+// whole time takes up what remains at the ends. Triangles closer than two steps would have the steps' own changes.
 void SmoothPath::lay() noexcept {
-  const double time = steps() * kDriveStep, spacing = time / (kTriangles + 1);
+  const int triangles = std::clamp(steps() / 2 - 1, 1, kTriangles);
+  const double time = steps() * kDriveStep, spacing = time / (triangles + 1);
   const auto place = [&](double t) -> WholeConfiguration {
     const double step = t / kDriveStep;
     const auto k = std::min(static_cast<std::size_t>(step), now_.moments.size() - 2);
@@ -376,7 +377,7 @@ void SmoothPath::lay() noexcept {
     left -= part.change;
   };
   if (start_.moves()) add({0.0, {spacing, 0.0, spacing}, 0.5 * spacing * start_.v});
-  for (int i = 1; i <= kTriangles; ++i) {
+  for (int i = 1; i <= triangles; ++i) {
     next = place((i + 0.5) * spacing);
     add({(i - 1) * spacing, {2.0 * spacing, spacing, spacing}, next - before});
     before = next;
