@@ -87,6 +87,7 @@ constexpr void describe(auto& v, Of<Path>) {
   v.member("duration", &T::duration, {.unit = "s", .range = Range::non_negative(), .required = true});
   v.member("clearance", &T::clearance, non_negative("m", "distance from objects at rest"));
   v.member("clearance_at_goal", &T::kept_at_goal, unless_default(non_negative("m", "the same at the goal")));
+  v.member("arm_clearance_at_goal", &T::arm_at_goal, unless_default(non_negative("m", "the same of all but the hand")));
   v.member("goal", &T::X_WG, {.required = true});
   v.member("meets", &T::meets, unless_default({.text = "whether a goal in motion was expected there"}));
   v.written_where([](const T& path) { return path.passes(); },

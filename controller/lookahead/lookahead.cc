@@ -86,7 +86,7 @@ KeptDistance Lookahead::keeps() const noexcept {
   const double part = params_.follow.kept;
   if (path.close())
     return {part * path.kept_at_goal, part * slope_, (path.meets ? path.X_WG : state_.X_WG).translation(),
-            part * path.clearance};
+            std::min(part * path.clearance, path.arm_at_goal)};
   if (path.clearance >= params_.clearance) return {};
   return {.most = std::max(path.clearance, params_.tight())};
 }

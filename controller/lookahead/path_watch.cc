@@ -8,9 +8,13 @@
 namespace moma {
 namespace {
 
-// Objects may be nearer now than the path's clearance says, since measurements differ from those of its planning.
+// Objects may be nearer now than the path's distance says, since measurements differ from those of its planning.
+double asked(const DecisionParams& params, double kept) noexcept {
+  return std::max(0.0, params.share * kept - params.less);
+}
+
 double least_clearance(const DecisionParams& params, const Path& path) noexcept {
-  return std::max(0.0, std::min(params.least, params.share * path.clearance - params.less));
+  return std::min(params.least, asked(params, path.clearance));
 }
 
 // A path is looked at among what is known: it may lead into space that no sensor has seen.
@@ -19,7 +23,7 @@ bool counts(const ObjectState& object) noexcept { return counts_for_plans(object
 // Near the goal the path keeps a share of the distance with which it was planned there.
 KeptDistance shifted_goal(const DecisionParams& params, const Path& path, const PlanarShift& shift,
                           double slope) noexcept {
-  KeptDistance kept{std::max(0.0, params.share * path.kept_at_goal - params.less), slope, path.X_WG.translation()};
+  KeptDistance kept{asked(params, path.kept_at_goal), slope, path.X_WG.translation()};
   const Vector2 at = kept.p_WG.head<2>();
   const double cs = std::cos(shift.turn), sn = std::sin(shift.turn);
   kept.p_WG.head<2>() = shift.move + Vector2(cs * at.x() - sn * at.y(), sn * at.x() + cs * at.y());
@@ -62,7 +66,7 @@ bool PathWatch::holds(const Path& path, const PlanarShift& shift, double t, std:
     for (ObjectState& object : looked_at_) object.visible = counts(object);
     space_.set_states(looked_at_);
     looked_shift_ = shift;
-    space_.keep_near(shifted_goal(params_, path, shift, slope_));
+    space_.keep_near(shifted_goal(params_, path, shift, slope_), asked(params_, path.arm_at_goal));
     known_ = true;
     from_ = t;
   }

@@ -31,6 +31,7 @@ struct Path {
   double clearance = 0.0;  ///< distance from objects at rest, half of it where motions overlap [m]
   /// Smaller distance at the goal; it grows with the distance from the goal (goal_clearance.h) [m].
   double kept_at_goal = kInfinity;
+  double arm_at_goal = kInfinity;  ///< the same of all but the hand
   Isometry X_WG = Isometry::Identity();
   bool meets = false;                    ///< X_WG is the place at which a goal in motion was expected
   double pass = kInfinity;               ///< time at which E passes its goal; infinite: the path ends there [s]

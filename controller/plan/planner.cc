@@ -473,6 +473,7 @@ void Planner::label_path() noexcept {
   path_.X_WG = X_WG_;
   path_.clearance = space_.clearances().object;
   path_.kept_at_goal = space_.kept().at_goal;
+  path_.arm_at_goal = space_.keeps().arm_at_goal;
 }
 
 void Planner::begin_route() noexcept {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "controller/safe/goal_clearance.h"
-
 namespace moma {
 namespace {
 
@@ -22,13 +20,16 @@ CollisionRows::CollisionRows(const RobotModel& model, const CollisionParams& par
                              const Uncertainty& uncertainty)
     : model_(&model),
       params_(params),
-      hand_(of_hand(model)),
-      resting_(params.object),
-      resting_of_arm_(params.object),
+      part_(model.shapes.size(), kArm),
       J_(3, model.num_velocities()),
       row_(model.num_velocities()),
       deceleration_(deceleration),
-      uncertainty_(uncertainty) {}
+      uncertainty_(uncertainty) {
+  resting_.fill(params.object);
+  for (std::size_t i = 0; i < part_.size(); ++i)
+    if (model.shapes[i].rigid_with_base) part_[i] = kBase;
+  for (const int shape : model.hand_shapes()) part_[static_cast<std::size_t>(shape)] = kHand;
+}
 
 int CollisionRows::allocate(int num_objects) {
   const std::size_t shapes = model_->shapes.size();
@@ -54,14 +55,16 @@ ProximityRanges CollisionRows::ranges() const noexcept {
           .raised = kRaised};
 }
 
-void CollisionRows::keep_from_resting(double hand, double arm, double rate) noexcept {
+void CollisionRows::keep_from_resting(const RestingStops& stops, double rate) noexcept {
   const DamperParams& object = params_.object;
-  const auto set = [&](DamperParams& damper, double stop) {
+  const auto set = [&](Part part, double stop) {
+    DamperParams& damper = resting_[part];
     damper.stop = std::min(object.stop, stop);
     damper.influence = rate > 0.0 ? std::min(object.influence, damper.stop + object.gain / rate) : object.influence;
   };
-  set(resting_, hand);
-  set(resting_of_arm_, arm);
+  set(kHand, stops.hand);
+  set(kArm, stops.arm);
+  set(kBase, stops.base);
 }
 
 const DamperParams& CollisionRows::damper(PairKind kind) const noexcept {
@@ -110,9 +113,8 @@ bool CollisionRows::fill(const Kinematics& kinematics, const ProximityPair& pair
   double d = distance.d;
   if (uncertainty_.on() && !unseen) d -= uncertainty_.margin(pair, kinematics, row_, states, spreads);
   if (moves) d -= params_.moving_room;
-  const bool of_hand = hand_[static_cast<std::size_t>(pair.first)] != 0;
   const DamperParams& row_damper = unseen  ? unseen_
-                                   : rests ? (of_hand ? resting_ : resting_of_arm_)
+                                   : rests ? resting_[part_[static_cast<std::size_t>(pair.first)]]
                                            : damper(pair.kind);
   double limit = approach_speed(row_damper, d);
   const double room = d - row_damper.stop;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -13,6 +15,11 @@
 #include "controller/step.h"
 
 namespace moma {
+
+/// Stop distances of parts of the robot from objects at rest [m].
+struct RestingStops {
+  double hand = 0.0, arm = 0.0, base = 0.0;
+};
 
 /// Damper rows n^T (v_robot - v_object) >= -zeta, zeta = xi (d - d_s)/(d_i - d_s), for objects, the floor and the robot
 /// itself. With `braking`, zeta is at most the speed from which the robot can still stop (stoppable_speed() of d - d_s)
@@ -44,9 +51,9 @@ class CollisionRows {
 
   /// Sets the dampers of space that no sensor has seen (ObjectState::seen).
   void keep_from_unseen(const DamperParams& unseen) noexcept { unseen_ = unseen; }
-  /// Sets the stop distances d_s of hand and arm from objects at rest, at most the configured one [m], and the `rate`
-  /// of approach xi/(d_i - d_s), at least the configured one [1/s].
-  void keep_from_resting(double hand, double arm, double rate) noexcept;
+  /// Sets the stop distances d_s from objects at rest, at most the configured one, and the `rate` of approach
+  /// xi/(d_i - d_s), at least the configured one [1/s].
+  void keep_from_resting(const RestingStops& stops, double rate) noexcept;
   /// Raises the bound of `braking` for objects at rest, the floor and the robot itself to the speed of approach of
   /// these velocities, those of a path that keeps more than d_s. Null: no path. The vector must outlive add().
   void allow(const VectorX* path_velocities) noexcept { path_velocities_ = path_velocities; }
@@ -63,8 +70,9 @@ class CollisionRows {
 
   const RobotModel* model_;
   CollisionParams params_;
-  std::vector<char> hand_;                 // of each shape: it is rigid with E
-  DamperParams resting_, resting_of_arm_;  // of hand and arm, for objects at rest
+  enum Part : std::uint8_t { kHand, kArm, kBase };
+  std::vector<Part> part_;               // of the robot to which each shape belongs
+  std::array<DamperParams, 3> resting_;  // of each part, for objects at rest
   DamperParams unseen_;
   const VectorX* path_velocities_ = nullptr;
   std::vector<std::pair<double, std::size_t>> keys_;  // of pairs: d - d_s and index

@@ -113,9 +113,10 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   stop_ = stop_near_goal(asked, now);
   // A path keeps clear of objects by itself: the damper's rate would slow it down.
   const bool on_path = asked.pull && asked.pull->velocities != nullptr;
-  // On a path to a close goal only the hand comes nearer there than on the way.
-  const double arm = asked.keeps.most < params_.collision.object.stop ? std::max(stop_, asked.keeps.most) : stop_;
-  collision_.keep_from_resting(stop_, arm, on_path ? params_.plan.follow.rate : 0.0);
+  // On a path to a close goal only the hand comes nearer there than on the way. No goal brings the base near.
+  const double on_way = std::max(stop_, asked.keeps.most);
+  const double arm = asked.keeps.most < params_.collision.object.stop ? on_way : stop_;
+  collision_.keep_from_resting({stop_, arm, on_way}, on_path ? params_.plan.follow.rate : 0.0);
   // Rows keep less than a path to a goal close to an object does; to brake before them would lead off it.
   collision_.allow(on_path && asked.keeps.at_goal < kInfinity ? asked.pull->velocities : nullptr);
   add_tracking_rows(now.kinematics.J_WE_W(), asked.task.nu, params_.tracking_band, params_.slack.enabled, problem_);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "controller/controller_core.h"
+#include "controller/lookahead/path_watch.h"
 #include "controller/qp/collision.h"
 #include "tests/controller/plan_scenes.h"
 
@@ -183,8 +184,75 @@ TEST(GoalClearance, BringsNoOtherPartThanTheHandNear) {
     EXPECT_FALSE(space.free(grasp->witness));
 
     Rows at(*grasp, params);
-    at.rows.keep_from_resting(kHand, kClearance, 15.0);
+    at.rows.keep_from_resting({kHand, kClearance, kClearance}, 15.0);
     EXPECT_EQ(at.bound() < 0.0, arm) << "the row asks for more distance";
+  }
+}
+
+// With the hand at a goal that is close to a ball, a base 15 mm beside a post has to leave it.
+TEST(GoalClearance, BringsTheBaseNoNearer) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  Kinematics kinematics(model);
+  kinematics.update(Vector3::Zero(), model->ready);
+  const auto approach = [&](const Shape& shape, const Isometry& X, const Vector3& along, double gap) {
+    Scene scene;
+    scene.shapes = {{"", shape}};
+    scene.states.resize(1);
+    for (double way = 1.0; way > 0.0; way -= 2e-4) {
+      scene.states[0].X_WO = X * Eigen::Translation3d(way * along);
+      if (object_clearance(*model, kinematics, scene) <= gap) break;
+    }
+    return scene.states[0];
+  };
+  constexpr double kGap = 0.015;
+  const Shape ball = make_sphere(0.05), post = make_cylinder(0.05, 0.1);
+  ControllerParams params = params_at_goal(*model, true);
+  params.plan.enabled = false;
+  params.collision.braking.enabled = false;
+  ControllerCore controller(model, params, 0.02);
+  controller.reset(std::vector<ObjectShape>{{"ball", ball}, {"post", post}});
+  Observation o;
+  o.q = model->ready;
+  o.qdot = VectorX::Zero(model->num_velocities());
+  o.goal.X_WG = kinematics.X_WE();
+  o.objects = {approach(ball, kinematics.X_WE(), Vector3::UnitZ(), 0.008),
+               approach(post, Isometry(Eigen::Translation3d(0.0, 0.0, 0.1)), Vector3::UnitY(), kGap)};
+  StepResult result;
+  controller.prepare(result);
+  controller.step(o, result);
+  const QpProblem& problem = controller.problem();
+  int rows = 0;
+  for (int row = 0; row < problem.rows; ++row) {
+    const RowId& id = problem.ids[static_cast<std::size_t>(row)];
+    if (id.kind != RowKind::kObject) continue;
+    if (id.second == 0 && id.d < 0.01) EXPECT_GT(problem.ubA[row], 0.0) << "the hand may be there";
+    if (id.second != 1 || id.d > kGap + 1e-3) continue;
+    ++rows;
+    EXPECT_TRUE(model->shape(id.first).rigid_with_base);
+    EXPECT_LT(problem.ubA[row], 0.0) << "d " << id.d;
+  }
+  EXPECT_GT(rows, 0);
+}
+
+// A path that brings the forearm as near to a ball as it was planned near its goal is not broken.
+TEST(GoalClearance, WatchAsksOfTheArmWhatItsPathKeeps) {
+  const ByTheForearm grasp(0.008);
+  const ControllerParams params = params_at_goal(*grasp.model, true);
+  const MotionLimits limits(*grasp.model, params);
+  PathWatch watch(grasp.model, params.plan.decisions, limits, params.collision.at_goal.slope);
+  watch.set_objects(grasp.scene.shapes);
+  Path path;
+  path.begin(grasp.witness);
+  path.duration = 1.0;
+  ASSERT_TRUE(path.add({0.0, {1.0, 0.5, 0.5}, WholeConfiguration::Zero(grasp.witness.size())}));
+  path.X_WG = grasp.scene.X_WG;
+  path.clearance = 0.035;
+  path.kept_at_goal = 0.003;
+  for (const double arm : {0.00875, kInfinity}) {
+    path.arm_at_goal = arm;
+    watch.forget();
+    long budget = 100;
+    EXPECT_EQ(watch.holds(path, {}, 0.0, grasp.scene.states, budget), arm < kInfinity) << arm;
   }
 }
 
@@ -198,7 +266,7 @@ TEST(GoalClearance, PathsMayComeNearAtARateOfTheirOwn) {
   Rows at(grasp, params);
   constexpr double kStop = 0.003;
   for (const double rate : {0.0, 1.0, 15.0}) {
-    at.rows.keep_from_resting(kStop, kStop, rate);
+    at.rows.keep_from_resting({kStop, kStop, kStop}, rate);
     const double bound = at.bound(), d = at.problem.ids[0].d, own = 0.6 / (0.3 - kStop);
     EXPECT_NEAR(bound, std::max(own, rate) * (d - kStop), 1e-12) << rate;
     EXPECT_NEAR(d, 0.008, 3e-4);
@@ -214,7 +282,7 @@ TEST(GoalClearance, PathsMayComeNearFasterThanTheRobotBrakes) {
   params.collision.braking = {.enabled = true, .share = 1e-3, .reaction = 0.0};
   Rows at(grasp, params);
   constexpr double kStop = 0.003, kRate = 15.0;
-  at.rows.keep_from_resting(kStop, kStop, kRate);
+  at.rows.keep_from_resting({kStop, kStop, kStop}, kRate);
   const auto bound = [&](const VectorX* path) {
     at.rows.allow(path);
     return at.bound();
