@@ -8,7 +8,8 @@ namespace {
 
 constexpr int kCorrections = 2;      // of the point to which a base steers
 constexpr double kAnywhere = 0.25;   // share of the ways on past a goal that end anywhere
-constexpr double kLeastScale = 0.1;  // of the draws around another end
+constexpr double kLeastScale = 0.1;  // of the draws around the end of the path so far
+constexpr double kLeastNear = 0.9;   // part of the way to the best end at which nearer tries begin, at most
 
 ControllerParams with_share(ControllerParams params) {
   params.plan.speed = params.plan.acceleration = params.plan.direct_way.share;
@@ -58,7 +59,7 @@ void DirectWay::begin_passing(const MotionState& start, const Isometry& X_WG, co
                               const WholeConfiguration& pass, const WholeConfiguration& last, double within,
                               std::uint64_t seed, std::span<const ObjectState> objects) noexcept {
   X_WG_ = X_WN;
-  last_.c = last;
+  last_ = last;
   pass_time_ = within;
   pass_path_.pass = kInfinity;
   draws_ = {seed, 0};
@@ -83,7 +84,7 @@ void DirectWay::try_end() noexcept {
   if (draws_.uniform() < kAnywhere)
     seed(end);
   else
-    seed_near(last_, end);
+    seed_near_last(end);
   if (make(end) && end.time < on_.time) on_ = end;
   if (++next_ < static_cast<std::size_t>(params_.direct_way.pass_ends)) return;
   stage_ = first_time_ + on_.time < pass_time_ ? Stage::kPass : Stage::kPassing;
@@ -137,15 +138,16 @@ void DirectWay::work() noexcept {
         stage_ = Stage::kDone;
       } else if (take(ends_[next_++])) {
         tries_ = 0;
-        stage_ = Stage::kAround;
+        stage_ = Stage::kNearer;
       }
       return;
-    case Stage::kAround:
-      if (tries_++ == params_.direct_way.around_tries) {
+    case Stage::kNearer:
+      if (tries_++ == params_.direct_way.nearer_tries) {
         stage_ = Stage::kDone;
         return;
       }
-      seed_near(best_, end);
+      end.c = start_.c + draws_.uniform(params_.direct_way.nearest, kLeastNear) * (best_.c - start_.c);
+      end.stays = best_.stays;
       if (make(end) && end.time < best_.time) take(end);
       return;
     case Stage::kDone:
@@ -168,14 +170,14 @@ void DirectWay::seed(End& end) noexcept {
   head_along(limits_, start_.c, SteeredDrive::kReached, c);
 }
 
-// Draws joints and a base around another end, its place pulled towards the start.
-void DirectWay::seed_near(const End& other, End& end) noexcept {
+// Draws joints and a base around the end of the path so far, its place pulled towards the start.
+void DirectWay::seed_near_last(End& end) noexcept {
   const DirectWayParams& p = params_.direct_way;
   const double scale = std::pow(kLeastScale, draws_.uniform());
   WholeConfiguration& c = end.c;
-  c = other.c;
+  c = last_;
   space_.vary_joints(scale * p.joints, draws_, c);
-  end.stays = !limits_.mobile() || other.stays;
+  end.stays = !limits_.mobile();
   if (end.stays) return;
   const Vector2 aside(draws_.uniform(-p.far, p.far), draws_.uniform(-p.far, p.far));
   c.head<2>() += scale * (0.5 * aside + draws_.uniform() * (start_.c - c).head<2>());

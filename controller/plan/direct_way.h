@@ -16,7 +16,7 @@ namespace moma {
 /// Searches the quickest way without a corner to the goal: from rest, base and arm move straight; from a motion they go
 /// over into a straight one (glide.h); a differential base steers to its place (steered_drive.h). Whole-body inverse
 /// kinematics around the start give end configurations, and the robot's speeds and accelerations the time to each. The
-/// quickest free way counts. Further tries around its end then shorten it.
+/// quickest free way counts. Further tries between the start and the best end then shorten it.
 ///
 /// A goal at which the hand is nearer to an object than a path's clearance has no direct way, nor has a moving start
 /// that is; the planner serves them (planner.h). The work consists of pieces (one try, or the checks of one way);
@@ -52,7 +52,7 @@ class DirectWay {
     bool stays = false;               // the base does not move, or only comes to rest
     double time = kInfinity;          // time of the way [s]
   };
-  enum class Stage { kPassing, kEnds, kPass, kOn, kTries, kChecks, kAround, kDone };
+  enum class Stage { kPassing, kEnds, kPass, kOn, kTries, kChecks, kNearer, kDone };
 
   bool clear(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
   void work() noexcept;
@@ -60,7 +60,7 @@ class DirectWay {
   void try_end() noexcept;
   void take_passing() noexcept;
   void seed(End& end) noexcept;
-  void seed_near(const End& other, End& end) noexcept;
+  void seed_near_last(End& end) noexcept;
   bool make(End& end) noexcept;
   bool drive_to(const End& end) noexcept;
   bool is_free(const Path& path) noexcept;
@@ -93,7 +93,7 @@ class DirectWay {
   Edge edge_;
   Path path_, best_path_;
   bool passes_ = false;
-  End last_;                      // of the path so far; its place alone
+  WholeConfiguration last_;
   double pass_time_ = kInfinity;  // of the best way through the goal, or in which it has to be [s]
   double first_time_ = 0.0;       // of the present try's way to the goal [s]
   End on_;                        // and its way on from there

@@ -225,7 +225,9 @@ TEST(GoalClearance, BringsTheBaseNoNearer) {
   for (int row = 0; row < problem.rows; ++row) {
     const RowId& id = problem.ids[static_cast<std::size_t>(row)];
     if (id.kind != RowKind::kObject) continue;
-    if (id.second == 0 && id.d < 0.01) EXPECT_GT(problem.ubA[row], 0.0) << "the hand may be there";
+    if (id.second == 0 && id.d < 0.01) {
+      EXPECT_GT(problem.ubA[row], 0.0) << "the hand may be there";
+    }
     if (id.second != 1 || id.d > kGap + 1e-3) continue;
     ++rows;
     EXPECT_TRUE(model->shape(id.first).rigid_with_base);
