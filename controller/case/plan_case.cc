@@ -63,7 +63,7 @@ constexpr void describe(auto& v, Of<PlanState>) {
 
 static_assert(is_complete<GoingOn>() && is_complete<Following>() && is_complete<Stopping>() && is_complete<Choosing>());
 // This compiles as long as these are all members: read_plan_state() reads those that the description leaves out.
-[[maybe_unused]] void all_members_of(const PlanState& state) {
+[[maybe_unused]] static void all_members_of(const PlanState& state) {
   [[maybe_unused]] const auto& [brief, doing, steps, next, next_onward, stagnations, clears_detours, known, has_goal,
                                 X_WG, path, missed, steps_beside, left_last_part, held_off] = state;
 }

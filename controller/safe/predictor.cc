@@ -246,7 +246,7 @@ const Observation& Predictor::predict(const Observation& o) noexcept {
   if (base_dof_ > 0) correct_velocity(o);
   copy_observation(o, out_);
   out_.time += late_ * dt_;
-  predict_joints(o.q);
+  predict_joints();
   if (base_dof_ > 0) {
     if (m.begun) {
       move(*model_, m.base, mean_velocity(m.base_trip.periods), dt_);
@@ -334,9 +334,8 @@ void Predictor::correct_velocity(const Observation& o) noexcept {
   }
 }
 
-void Predictor::predict_joints(const VectorX& q) noexcept {
+void Predictor::predict_joints() noexcept {
   const PredictionMemory& m = memory_;
-  out_.q = q;
   for (int age = m.joint_trip.periods - 1; age >= 0; --age) out_.q += dt_ * m.sent[at(age)].tail(num_joints_);
   for (int age = hold_joints_ - 1; age >= 0; --age) out_.q += dt_ * m.computed[at(age)].tail(num_joints_);
 }

@@ -104,7 +104,7 @@ class Predictor {
   void correct_velocity(const Observation& o) noexcept;
   void correct_base(const Vector3& measured) noexcept;
   void predict_object(const ObjectState& seen, std::size_t i) noexcept;
-  void predict_joints(const VectorX& q) noexcept;
+  void predict_joints() noexcept;
   void predict_base() noexcept;
   void predict_velocity() noexcept;
   Vector3 mean_velocity(int age) const noexcept;

@@ -45,26 +45,28 @@ std::set<std::string> stored_columns(SQLite::Database& db, const std::string& ta
 
 namespace {
 
-/// ALTER TABLE for each described column that its table does not have, and what follows.
-std::vector<std::string> all_additions(SQLite::Database& db) {
-  std::vector<std::string> sql;
+/// A column that a table lacks, with its definition, and SQL of its value in the rows that are there.
+struct Missing {
+  std::string table, column, type, value;
+  bool copied;  ///< of point_trial, from trial
+};
+
+/// Missing columns, those of one table one after the other.
+std::vector<Missing> all_missing(SQLite::Database& db) {
+  std::vector<Missing> missing;
   for (const auto& [table, columns] : described_tables()) {
     const std::set<std::string> stored = stored_columns(db, table);
     for (const ColumnDefinition& column : columns)
-      if (stored.count(column.name) == 0)
-        sql.push_back(fmt::format("ALTER TABLE {} ADD COLUMN {} {}", table, column.name, column.type));
+      if (!stored.contains(column.name))
+        missing.push_back({table, column.name, column.type, column.type.ends_with("DEFAULT 0") ? "0" : "NULL", false});
   }
-  const std::set<std::string> there = stored_columns(db, "point_trial");
-  bool copied = false;
-  for (const TrialColumn& column : trial_columns()) {
-    if (!column.about.averaged() || there.count(std::string(column.name)) != 0) continue;
-    sql.push_back(fmt::format("ALTER TABLE point_trial ADD COLUMN {} REAL", column.name));
-    sql.push_back(fmt::format(
-        "UPDATE point_trial SET {0} = (SELECT t.{0} FROM trial AS t WHERE t.key = point_trial.key)", column.name));
-    copied = true;
-  }
-  if (copied) sql.push_back(summary_index_sql());
-  return sql;
+  const std::set<std::string> stored = stored_columns(db, "point_trial");
+  for (const TrialColumn& column : trial_columns())
+    if (column.about.averaged() && !stored.contains(std::string(column.name)))
+      missing.push_back({"point_trial", std::string(column.name), "REAL",
+                         fmt::format("(SELECT t.{} FROM trial AS t WHERE t.key = point_trial.key)", column.name),
+                         true});
+  return missing;
 }
 
 /// Returns the CHECK of a column's words in its definition; "" if it has none.
@@ -125,39 +127,31 @@ bool has_our_views(SQLite::Database& db) {
 
 }  // namespace
 
-bool lacks_columns(SQLite::Database& db) { return !all_additions(db).empty(); }
+bool lacks_columns(SQLite::Database& db) { return !all_missing(db).empty(); }
 
 void shadow_views(SQLite::Database& db) {
-  bool lacks = false;
-  const auto shadow = [&](const std::string& table, const std::string& more) {
-    if (more.empty()) return;
-    db.exec(fmt::format("CREATE TEMP VIEW {0} AS SELECT *{1} FROM main.{0}", table, more));
-    lacks = true;
-  };
-  for (const auto& [table, columns] : described_tables()) {
-    const std::set<std::string> stored = stored_columns(db, table);
-    std::string more;
-    for (const ColumnDefinition& column : columns)
-      if (!stored.contains(column.name))
-        more += fmt::format(", {} AS {}", column.type.ends_with("DEFAULT 0") ? "0" : "NULL", column.name);
-    shadow(table, more);
+  const std::vector<Missing> missing = all_missing(db);
+  for (auto at = missing.begin(); at != missing.end();) {
+    const std::string& table = at->table;
+    std::string values;
+    for (; at != missing.end() && at->table == table; ++at) values += fmt::format(", {} AS {}", at->value, at->column);
+    db.exec(fmt::format("CREATE TEMP VIEW {0} AS SELECT *{1} FROM main.{0}", table, values));
   }
-  const std::set<std::string> copied = stored_columns(db, "point_trial");
-  std::string more;
-  for (const TrialColumn& column : trial_columns())
-    if (column.about.averaged() && !copied.contains(std::string(column.name)))
-      more += fmt::format(", NULL AS {}", column.name);
-  shadow("point_trial", more);
-  if (lacks || !has_our_views(db)) db.exec(temporary_views_sql());
+  if (!missing.empty() || !has_our_views(db)) db.exec(temporary_views_sql());
 }
 
 void add_described_columns(SQLite::Database& db) {
-  if (all_additions(db).empty() && all_few_words(db).empty() && has_our_views(db)) return;
+  if (!lacks_columns(db) && all_few_words(db).empty() && has_our_views(db)) return;
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   // Asked again under the lock: another process may have been quicker.
   add_words(db);
-  const std::vector<std::string> sql = all_additions(db);
-  for (const std::string& statement : sql) db.exec(statement);
+  bool copied = false;
+  for (const Missing& missing : all_missing(db)) {
+    db.exec(fmt::format("ALTER TABLE {} ADD COLUMN {} {}", missing.table, missing.column, missing.type));
+    if (missing.copied) db.exec(fmt::format("UPDATE {} SET {} = {}", missing.table, missing.column, missing.value));
+    copied = copied || missing.copied;
+  }
+  if (copied) db.exec(summary_index_sql());
   db.exec(views_sql());
   transaction.commit();
 }
