@@ -8,8 +8,7 @@ namespace {
 
 constexpr int kCorrections = 2;      // of the point to which a base steers
 constexpr double kAnywhere = 0.25;   // share of the ways on past a goal that end anywhere
-constexpr double kLeastScale = 0.1;  // of the draws around the end of the path so far
-constexpr double kLeastNear = 0.9;   // part of the way to the best end at which nearer tries begin, at most
+constexpr double kLeastScale = 0.1;  // of the draws around another end
 
 ControllerParams with_share(ControllerParams params) {
   params.plan.speed = params.plan.acceleration = params.plan.direct_way.share;
@@ -59,7 +58,7 @@ void DirectWay::begin_passing(const MotionState& start, const Isometry& X_WG, co
                               const WholeConfiguration& pass, const WholeConfiguration& last, double within,
                               std::uint64_t seed, std::span<const ObjectState> objects) noexcept {
   X_WG_ = X_WN;
-  last_ = last;
+  last_.c = last;
   pass_time_ = within;
   pass_path_.pass = kInfinity;
   draws_ = {seed, 0};
@@ -84,7 +83,7 @@ void DirectWay::try_end() noexcept {
   if (draws_.uniform() < kAnywhere)
     seed(end);
   else
-    seed_near_last(end);
+    seed_near(last_, end);
   if (make(end) && end.time < on_.time) on_ = end;
   if (++next_ < static_cast<std::size_t>(params_.direct_way.pass_ends)) return;
   stage_ = first_time_ + on_.time < pass_time_ ? Stage::kPass : Stage::kPassing;
@@ -94,6 +93,8 @@ void DirectWay::take_passing() noexcept {
   if (!take(on_) || !first_path_.append(0.0, best_path_, X_WG_)) return;
   pass_time_ = first_path_.duration;
   pass_path_ = first_path_;
+  passing_.keep();
+  last_.c = on_.c;
 }
 
 bool DirectWay::advance(long& budget) noexcept {
@@ -138,17 +139,16 @@ void DirectWay::work() noexcept {
         stage_ = Stage::kDone;
       } else if (take(ends_[next_++])) {
         tries_ = 0;
-        stage_ = Stage::kNearer;
+        stage_ = Stage::kAround;
       }
       return;
-    case Stage::kNearer:
-      if (tries_++ == params_.direct_way.nearer_tries) {
+    case Stage::kAround:
+      if (tries_++ == params_.direct_way.around_tries) {
         stage_ = Stage::kDone;
         return;
       }
-      end.c = start_.c + draws_.uniform(params_.direct_way.nearest, kLeastNear) * (best_.c - start_.c);
-      end.stays = best_.stays;
-      if (make(end) && end.time < best_.time) take(end);
+      seed_near(best_, end);
+      if (make(end) && end.time < best_.time && take(end)) tries_ = 0;
       return;
     case Stage::kDone:
       return;
@@ -170,14 +170,14 @@ void DirectWay::seed(End& end) noexcept {
   head_along(limits_, start_.c, SteeredDrive::kReached, c);
 }
 
-// Draws joints and a base around the end of the path so far, its place pulled towards the start.
-void DirectWay::seed_near_last(End& end) noexcept {
+// Draws joints and a base around another end, its place pulled towards the start.
+void DirectWay::seed_near(const End& other, End& end) noexcept {
   const DirectWayParams& p = params_.direct_way;
   const double scale = std::pow(kLeastScale, draws_.uniform());
   WholeConfiguration& c = end.c;
-  c = last_;
+  c = other.c;
   space_.vary_joints(scale * p.joints, draws_, c);
-  end.stays = !limits_.mobile();
+  end.stays = !limits_.mobile() || other.stays;
   if (end.stays) return;
   const Vector2 aside(draws_.uniform(-p.far, p.far), draws_.uniform(-p.far, p.far));
   c.head<2>() += scale * (0.5 * aside + draws_.uniform() * (start_.c - c).head<2>());

@@ -16,7 +16,7 @@ namespace moma {
 /// Searches the quickest way without a corner to the goal: from rest, base and arm move straight; from a motion they go
 /// over into a straight one (glide.h); a differential base steers to its place (steered_drive.h). Whole-body inverse
 /// kinematics around the start give end configurations, and the robot's speeds and accelerations the time to each. The
-/// quickest free way counts. Further tries between the start and the best end then shorten it.
+/// quickest free way counts. Further tries around its end shorten it, until too many in a row do not.
 ///
 /// A goal at which the hand is nearer to an object than a path's clearance has no direct way, nor has a moving start
 /// that is; the planner serves them (planner.h). The work consists of pieces (one try, or the checks of one way);
@@ -31,7 +31,8 @@ class DirectWay {
   void begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
   /// Begins a search for a way through the goal at X_WG to the one at X_WN, in less than `within` seconds. A try is a
   /// way to the goal (passing_way.h), past the configuration `pass` or near it, and the quickest of a few direct ways
-  /// from there; some end near `last`. It counts if it is free and the quickest so far. All draws come from `seed`.
+  /// from there; some end near `last`. It counts if it is free and the quickest so far; further tries vary it. All
+  /// draws come from `seed`.
   void begin_passing(const MotionState& start, const Isometry& X_WG, const Isometry& X_WN,
                      const WholeConfiguration& pass, const WholeConfiguration& last, double within, std::uint64_t seed,
                      std::span<const ObjectState> objects) noexcept;
@@ -52,7 +53,7 @@ class DirectWay {
     bool stays = false;               // the base does not move, or only comes to rest
     double time = kInfinity;          // time of the way [s]
   };
-  enum class Stage { kPassing, kEnds, kPass, kOn, kTries, kChecks, kNearer, kDone };
+  enum class Stage { kPassing, kEnds, kPass, kOn, kTries, kChecks, kAround, kDone };
 
   bool clear(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
   void work() noexcept;
@@ -60,7 +61,7 @@ class DirectWay {
   void try_end() noexcept;
   void take_passing() noexcept;
   void seed(End& end) noexcept;
-  void seed_near_last(End& end) noexcept;
+  void seed_near(const End& other, End& end) noexcept;
   bool make(End& end) noexcept;
   bool drive_to(const End& end) noexcept;
   bool is_free(const Path& path) noexcept;
@@ -93,7 +94,7 @@ class DirectWay {
   Edge edge_;
   Path path_, best_path_;
   bool passes_ = false;
-  WholeConfiguration last_;
+  End last_;                      // of the path so far; its place alone
   double pass_time_ = kInfinity;  // of the best way through the goal, or in which it has to be [s]
   double first_time_ = 0.0;       // of the present try's way to the goal [s]
   End on_;                        // and its way on from there

@@ -25,6 +25,13 @@ void PassingWay::begin(const MotionState& start, const Isometry& X_WG, const Iso
   X_WG_ = X_WG;
   X_WN_ = X_WN;
   near_ = pass;
+  kept_.reset();
+}
+
+void PassingWay::keep() noexcept {
+  near_ = pass_.c;
+  if (limits_.base->nonholonomic()) near_.head<2>() = via_;
+  kept_ = passing_;
 }
 
 double PassingWay::make(int index, CountedDraws& draws) noexcept {
@@ -50,6 +57,9 @@ void PassingWay::seed(int index, CountedDraws& draws) noexcept {
   head_along(limits_, start_.c, SteeredDrive::kReached, c);
   passing_.reach = draws.uniform(kLeastReach, p.pass_reach);
   passing_.speed = limits_.linear * std::min(1.0, draws.uniform(0.1, 1.5));
+  if (!kept_) return;
+  passing_.reach = std::lerp(kept_->reach, passing_.reach, scale);
+  passing_.speed = std::lerp(kept_->speed, passing_.speed, scale);
 }
 
 // The base drives; the arm reaches the goal from where it then is.

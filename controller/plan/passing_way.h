@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "controller/plan/free_space.h"
 #include "controller/plan/glide.h"
 #include "controller/plan/path.h"
@@ -24,6 +26,9 @@ class PassingWay {
   /// Makes try number `index`. Returns its time to the goal; infinite if it fails [s].
   double make(int index, CountedDraws& draws) noexcept;
 
+  /// Lets further tries begin around the last one.
+  void keep() noexcept;
+
   /// State in which the last try passes the goal.
   const MotionState& pass() const noexcept { return pass_; }
   /// Makes the last try a path. `longest`: approximate travel of the robot's farthest point [m].
@@ -45,6 +50,7 @@ class PassingWay {
   MotionState start_;
   Isometry X_WG_ = Isometry::Identity(), X_WN_ = Isometry::Identity();
   WholeConfiguration near_;
+  std::optional<SteeredDrive::Passing> kept_;
 
   // The last try.
   MotionState pass_;

@@ -9,13 +9,12 @@ namespace moma {
 /// Direct way (plan/direct_way.h): the quickest motion without a corner at the start of a motion.
 struct DirectWayParams {
   double share = 0.95;
-  double joints = 1.2;
+  double joints = 1.6;
   double near = 0.3, far = 0.9;
   double aside = 0.8;
   int stay = 3;
-  int nearer_tries = 20;
-  double nearest = 0.3;
-  int pass_tries = 500, pass_ends = 2;
+  int around_tries = 20;
+  int pass_tries = 500, pass_ends = 4;
   double pass_linear = 0.8, pass_angular = 2.2;
   double pass_reach = 0.4;
 };
@@ -28,8 +27,8 @@ constexpr void describe(auto& v, Of<DirectWayParams>) {
   v.member("far", &T::far, non_negative("m", "largest distance from the goal to the base of a try"));
   v.member("aside", &T::aside, non_negative("rad", "range of a try's bearing from the goal around the start's"));
   v.member("stay", &T::stay, in_range({1.0, 1e4}, "", "each try of this number leaves a differential base in place"));
-  v.member("nearer_tries", &T::nearer_tries, in_range({0.0, 1e4}, "", "tries nearer to the start than the best end"));
-  v.member("nearest", &T::nearest, in_range({0.0, 0.9}, "1", "share of the way to the best end at which they begin"));
+  v.member("around_tries", &T::around_tries,
+           in_range({0.0, 1e4}, "", "further tries around the end of the best way, since the last that shortened it"));
   v.member("pass_tries", &T::pass_tries,
            in_range({0.0, 1e4}, "", "tries of a search for a way through a goal; 0: none is passed in motion"));
   v.member("pass_ends", &T::pass_ends, in_range({1.0, 100.0}, "", "ways on to the next goal that each of them has"));
