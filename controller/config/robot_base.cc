@@ -20,7 +20,7 @@ constexpr void describe(auto& v, Of<Wheels>) {
   v.member("width", &T::width, unless_default(positive("m", "of a wheel")));
 }
 
-// What stands beside `type`, `mount` and `footprint`.
+// Reads the keys beside `type`, `mount` and `footprint`.
 constexpr void describe(auto& v, Of<MobileBase>) {
   using T = MobileBase;
   v.member("wheels", &T::wheels, {});

@@ -50,7 +50,7 @@ struct Column {
   constexpr Column absent(std::string_view when) const { return set(&Column::null_when, when); }
   constexpr Column in_table(std::string_view title) const { return set(&Column::head, title); }
   constexpr Column shown_as(Shown where) const { return set(&Column::shown, where); }
-  /// Whether point_trial has a copy of it, so that v_summary, which shows its mean, stays quick.
+  /// True if point_trial has a copy of it, so that v_summary, which shows its mean, stays quick.
   constexpr bool averaged() const { return !shown.summary.empty() && shown.median.empty(); }
   constexpr Column since(Earlier value) const { return set(&Column::earlier, value); }
 

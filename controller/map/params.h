@@ -28,6 +28,7 @@ constexpr void describe(auto& v, Of<EvidenceParams>) {
 struct UnseenParams {
   bool enabled = false;
   double start = 0.15;      ///< distance from the robot's first place up to which space counts as free [m]
+  double beside = 0.15;     ///< the same from the middle of a cell to the box of its base [m]
   double influence = 0.15;  ///< distance below which a pair has a row [m]
   double stop = 0.0;        ///< stop distance of these rows [m]
   double margin = 0.0;      ///< distance kept on the braking trajectory [m]
@@ -42,6 +43,8 @@ constexpr void describe(auto& v, Of<UnseenParams>) {
   using T = UnseenParams;
   v.member("start", &T::start,
            non_negative("m", "distance from the robot's first place up to which space counts as free"));
+  v.member("beside", &T::beside,
+           unless_default(non_negative("m", "the same from the middle of a cell to the box of the robot's base")));
   v.member("influence", &T::influence, positive("m", "distance below which unseen space has a row"));
   v.member("stop", &T::stop, non_negative("m", "stop distance of these rows"));
   v.member("margin", &T::margin, non_negative("m", "distance kept on the braking trajectory"));

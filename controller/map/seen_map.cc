@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMoments = 128;     // remembered steps
 constexpr std::size_t kMostFound = 4096;  // boxes among which the nearest are chosen
-constexpr double kBeside = 0.15;          // of the base, no object at the start [m]
 constexpr int kLevels = 3;                // of rays that begin at the sensor, further from it, ...
 
 Eigen::AlignedBox3d box_around(const Shape& shape, const Isometry& X_WS) noexcept {
@@ -281,7 +280,7 @@ void SeenMap::free_near(const Shape& shape, const Isometry& X_WS, double margin,
 }
 
 // Frees cells at the start of a motion: those that lie within `start` of the robot's shapes as a whole, and those whose
-// middle lies within kBeside of the box of its base. No sensor looks between the base, what stands on it, and the arm.
+// middle lies within `beside` of the box of its base. No sensor looks between the base, what stands on it, and the arm.
 void SeenMap::believe_start() noexcept {
   Eigen::AlignedBox3d body;
   const double start = params_.unseen.start - 0.5 * std::sqrt(3.0) * map_.cell();
@@ -293,7 +292,7 @@ void SeenMap::believe_start() noexcept {
   }
   if (body.isEmpty()) return;
   const Isometry X_WO = robot_.X_WB() * Eigen::Translation3d(body.center());
-  free_near({ShapeKind::kBox, body.sizes(), nullptr}, X_WO, kBeside, false);
+  free_near({ShapeKind::kBox, body.sizes(), nullptr}, X_WO, params_.unseen.beside, false);
 }
 
 // The cells above a rectangle of the floor, up to a height.

@@ -7,7 +7,6 @@ namespace moma {
 namespace {
 
 constexpr int kCorrections = 2;      // of the point to which a base steers
-constexpr double kAnywhere = 0.25;   // share of the ways on past a goal that end anywhere
 constexpr double kLeastScale = 0.1;  // of the draws around another end
 
 ControllerParams with_share(ControllerParams params) {
@@ -80,7 +79,7 @@ void DirectWay::try_passing() noexcept {
 // Tries another way on from there.
 void DirectWay::try_end() noexcept {
   End end;
-  if (draws_.uniform() < kAnywhere)
+  if (draws_.uniform() < params_.direct_way.pass_anywhere)
     seed(end);
   else
     seed_near(last_, end);

@@ -7,8 +7,7 @@
 namespace moma {
 namespace {
 
-constexpr double kHalf = 0.01;           // half the time over which a velocity of the base is taken [s]
-constexpr double kMostJointSpeed = 0.9;  // share of the joints' speeds at the passing
+constexpr double kHalf = 0.01;  // half the time over which a velocity of the base is taken [s]
 constexpr double kPassDamping = 1e-4;
 constexpr int kTimings = 4;                          // times and places of passing that a try has
 constexpr std::array kScales{0.15, 0.4, 1.0, 0.05};  // of the draws around a configuration
@@ -134,7 +133,7 @@ bool PassingWay::hold_hand() noexcept {
     v = 4.0 * (pass_.c - start_.c).tail(joints);
     most = std::max(most, factor(arm * v));
   }
-  for (int i = 0; i < joints; ++i) most = std::max(most, std::abs(v[i]) / (kMostJointSpeed * limits_.joint_speed[i]));
+  for (int i = 0; i < joints; ++i) most = std::max(most, std::abs(v[i]) / (p.pass_joints * limits_.joint_speed[i]));
   v /= most;
   if (!limits_.mobile()) return true;
   const Vector6 held = arm * v;

@@ -15,7 +15,8 @@ struct DirectWayParams {
   int stay = 3;
   int around_tries = 20;
   int pass_tries = 500, pass_ends = 4;
-  double pass_linear = 0.8, pass_angular = 2.2;
+  double pass_anywhere = 0.25;
+  double pass_linear = 0.8, pass_angular = 2.2, pass_joints = 0.9;
   double pass_reach = 0.4;
 };
 
@@ -32,8 +33,11 @@ constexpr void describe(auto& v, Of<DirectWayParams>) {
   v.member("pass_tries", &T::pass_tries,
            in_range({0.0, 1e4}, "", "tries of a search for a way through a goal; 0: none is passed in motion"));
   v.member("pass_ends", &T::pass_ends, in_range({1.0, 100.0}, "", "ways on to the next goal that each of them has"));
+  v.member("pass_anywhere", &T::pass_anywhere,
+           unless_default(share("share of them that end anywhere, in place of near the end of the way so far")));
   v.member("pass_linear", &T::pass_linear, non_negative("m/s", "largest speed of the hand at a goal that it passes"));
   v.member("pass_angular", &T::pass_angular, non_negative("rad/s", "the same of its turning"));
+  v.member("pass_joints", &T::pass_joints, unless_default(positive_share("share of the joints' speeds there")));
   v.member("pass_reach", &T::pass_reach,
            positive("m", "largest distance at which a differential base passes its place at such a goal"));
 }

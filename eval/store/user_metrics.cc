@@ -88,7 +88,7 @@ std::string complaint(const std::string& of_sqlite, const std::vector<std::strin
                      config::suggestion(of_sqlite.substr(kUnknown.size()), columns), ranges(columns));
 }
 
-/// Whether a ';' that is in no text and no comment ends a statement within `expression`. SQLite says nothing of what
+/// True if a ';' that is in no text and no comment ends a statement within `expression`. SQLite says nothing of what
 /// comes behind it, and misses the columns of `FROM samples`, which is behind it too.
 bool ends_within(const std::string& expression) {
   for (std::size_t at = expression.find(';'); at != std::string::npos; at = expression.find(';', at + 1))

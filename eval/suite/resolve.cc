@@ -64,7 +64,7 @@ void warn_about_braking(const SuitePoint& point, std::vector<std::string>& warni
                   point.controller, way, needed, speed, base.max_acceleration.x(), collision.object.stop + needed));
 }
 
-/// Whether each velocity's acceleration limit is a share of the robot's own, so that limits.acceleration bounds none.
+/// True if each velocity's acceleration limit is a share of the robot's own, so that limits.acceleration bounds none.
 bool bounded_by_shares(const ControllerParams& params, const RobotModel& model) {
   if (model.base_dof() > 0 && !(params.base_share > 0.0)) return false;
   for (int i = 0; i < model.num_joints(); ++i)
