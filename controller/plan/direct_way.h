@@ -94,7 +94,7 @@ class DirectWay {
   Edge edge_;
   Path path_, best_path_;
   bool passes_ = false;
-  End last_;                      // of the path so far; its place alone
+  End last_;                      // of the path so far; only its configuration counts
   double pass_time_ = kInfinity;  // of the best way through the goal, or in which it has to be [s]
   double first_time_ = 0.0;       // of the present try's way to the goal [s]
   End on_;                        // and its way on from there

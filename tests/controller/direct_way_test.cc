@@ -288,6 +288,31 @@ TEST_P(DirectWayOf, BeginsAtTheVelocityThatTheRobotHas) {
   }
 }
 
+// Tries around the end of the best way never make it longer, and mostly shorter.
+TEST_P(DirectWayOf, TriesAroundTheBestEndShortenTheWay) {
+  ControllerParams without = params;
+  without.plan.direct_way.around_tries = 0;
+  DirectWay first(model, without);
+  int found = 0, shorter = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Scene scene = make_scene(model, seed, 3);
+    first.set_objects(scene.shapes);
+    first.begin({scene.start, velocity}, scene.X_WG, scene.states);
+    long budget = kAll;
+    first.advance(budget);
+    ASSERT_EQ(find(scene), first.found()) << "seed " << seed;
+    if (!first.found()) continue;
+    ++found;
+    EXPECT_LE(direct.path().duration, first.path().duration + 1e-9) << "seed " << seed;
+    if (direct.path().duration < 0.999 * first.path().duration) ++shorter;
+  }
+  EXPECT_GE(found, 6) << "too few to say anything";
+  // Configurations of six joints that hold a goal are apart: there is nothing near the best one.
+  if (model->num_velocities() > 6) {
+    EXPECT_GT(shorter, found / 2) << "of " << found;
+  }
+}
+
 // A goal that need not be stopped at: the hand is there in passing, and the robot ends at the next goal, sooner than by
 // one way after the other.
 TEST_P(DirectWayOf, PassesAGoalOnItsWayToTheNextOne) {
