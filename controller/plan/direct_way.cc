@@ -7,7 +7,7 @@ namespace moma {
 namespace {
 
 constexpr int kCorrections = 2;      // of the point to which a base steers
-constexpr double kLeastScale = 0.1;  // of the draws around another end
+constexpr double kLeastScale = 0.1;  // of the draws around an end
 
 ControllerParams with_share(ControllerParams params) {
   params.plan.speed = params.plan.acceleration = params.plan.direct_way.share;
@@ -57,7 +57,7 @@ void DirectWay::begin_passing(const MotionState& start, const Isometry& X_WG, co
                               const WholeConfiguration& pass, const WholeConfiguration& last, double within,
                               std::uint64_t seed, std::span<const ObjectState> objects) noexcept {
   X_WG_ = X_WN;
-  last_.c = last;
+  last_ = last;
   pass_time_ = within;
   pass_path_.pass = kInfinity;
   draws_ = {seed, 0};
@@ -93,7 +93,7 @@ void DirectWay::take_passing() noexcept {
   pass_time_ = first_path_.duration;
   pass_path_ = first_path_;
   passing_.keep();
-  last_.c = on_.c;
+  last_ = on_.c;
 }
 
 bool DirectWay::advance(long& budget) noexcept {
@@ -146,7 +146,8 @@ void DirectWay::work() noexcept {
         stage_ = Stage::kDone;
         return;
       }
-      seed_near(best_, end);
+      end.stays = best_.stays;
+      seed_near(best_.c, end);
       if (make(end) && end.time < best_.time && take(end)) tries_ = 0;
       return;
     case Stage::kDone:
@@ -169,14 +170,14 @@ void DirectWay::seed(End& end) noexcept {
   head_along(limits_, start_.c, SteeredDrive::kReached, c);
 }
 
-// Draws joints and a base around another end, its place pulled towards the start.
-void DirectWay::seed_near(const End& other, End& end) noexcept {
+// Draws joints around a configuration, and a base that does not stay, its place pulled towards the start.
+void DirectWay::seed_near(const WholeConfiguration& around, End& end) noexcept {
   const DirectWayParams& p = params_.direct_way;
   const double scale = std::pow(kLeastScale, draws_.uniform());
   WholeConfiguration& c = end.c;
-  c = other.c;
+  c = around;
   space_.vary_joints(scale * p.joints, draws_, c);
-  end.stays = !limits_.mobile() || other.stays;
+  end.stays = end.stays || !limits_.mobile();
   if (end.stays) return;
   const Vector2 aside(draws_.uniform(-p.far, p.far), draws_.uniform(-p.far, p.far));
   c.head<2>() += scale * (0.5 * aside + draws_.uniform() * (start_.c - c).head<2>());

@@ -61,7 +61,7 @@ class DirectWay {
   void try_end() noexcept;
   void take_passing() noexcept;
   void seed(End& end) noexcept;
-  void seed_near(const End& other, End& end) noexcept;
+  void seed_near(const WholeConfiguration& around, End& end) noexcept;
   bool make(End& end) noexcept;
   bool drive_to(const End& end) noexcept;
   bool is_free(const Path& path) noexcept;
@@ -94,7 +94,7 @@ class DirectWay {
   Edge edge_;
   Path path_, best_path_;
   bool passes_ = false;
-  End last_;                      // of the path so far; only its configuration counts
+  WholeConfiguration last_;       // the end of the path so far
   double pass_time_ = kInfinity;  // of the best way through the goal, or in which it has to be [s]
   double first_time_ = 0.0;       // of the present try's way to the goal [s]
   End on_;                        // and its way on from there
