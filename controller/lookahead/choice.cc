@@ -104,6 +104,8 @@ void Choice::begin_way(const Observation& from) noexcept {
     around_ = object.visible = depth_ > 0.0;
     object.box = (object.box.array() - 2.0 * depth_).max(kThinnest);
   }
+  direct_way_.set_drive(drive_);
+  planner_.set_drive(drive_);
   begin_way();
 }
 

@@ -41,6 +41,8 @@ class Choice {
     direct_way_.keep_upright(upright);
     planner_.keep_upright(upright);
   }
+  /// Share of the base's accelerations with which the next choice plans.
+  void set_drive(double share) noexcept { drive_ = share; }
   /// Begins a choice that takes effect at `from`, where the direct policy needs `direct_time` seconds (negative: it
   /// fails). `number` counts choices from 1 and seeds the draws of a plan. Without `plans` only a direct way counts.
   void begin(const Observation& from, double direct_time, int number, bool plans = true) noexcept;
@@ -84,6 +86,7 @@ class Choice {
   Planner planner_;
 
   bool done_ = true;
+  double drive_ = 1.0;
   bool plans_paths_ = true, on_way_ = false, direct_ = false;
   Observation from_;     // space that no sensor has seen is smaller by `depth_`
   bool around_ = false;  // ways lead around that

@@ -174,8 +174,9 @@ bool Lookahead::begins_at(const Observation& o) const noexcept {
   return path_lag(planner().limits(), params_, begin, o) <= state_.path.clearance;
 }
 
-void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3& R_WG) noexcept {
+void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3& R_WG, double drive) noexcept {
   choice_.set_goal_axes(R_WG);
+  choice_.set_drive(drive);
   if (keeps_upright_) choice_.keep_upright(o.upright);
   const RolloutLimits limits = prediction_limits(params_, escape_, params_.horizon);
   const double off = std::max(error.tail<3>().norm() / limits.position, error.head<3>().norm() / limits.orientation);

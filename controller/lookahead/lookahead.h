@@ -40,8 +40,8 @@ class Lookahead {
   void reset(std::span<const ObjectShape> objects);
 
   /// Begins a step. `o`: the observation on which the controller acts; `error`: [e_R; e_p] of E; `R_WG`: axes of the
-  /// goal, if it has free directions.
-  void decide(const Observation& o, const Vector6& error, const Matrix3& R_WG) noexcept;
+  /// goal, if it has free directions; `drive`: share of the base's accelerations for which ways and paths are planned.
+  void decide(const Observation& o, const Vector6& error, const Matrix3& R_WG, double drive) noexcept;
   /// True if velocities() replace the policy's task in this step. They are those of a path, or zero.
   bool guides() const noexcept { return guides_; }
   const VectorX& velocities() const noexcept { return wanted_; }

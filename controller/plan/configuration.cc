@@ -71,8 +71,8 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
     a_linear = std::min(a_linear, params.acceleration_limit[0]);
     a_angular = std::min(a_angular, params.acceleration_limit[first - 1]);
   }
-  linear_acceleration = plan.acceleration * a_linear;
-  angular_acceleration = plan.acceleration * a_angular;
+  capability = plan.acceleration * Vector2(a_linear, a_angular);
+  set_drive(1.0);
 }
 
 double MotionLimits::travel(const WholeConfiguration& change) const noexcept {

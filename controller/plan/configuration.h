@@ -40,6 +40,7 @@ struct MotionLimits {
   double linear, angular;       ///< speeds of the base [m/s, rad/s]
   double linear_acceleration;   ///< [m/s^2]
   double angular_acceleration;  ///< [rad/s^2]
+  Vector2 capability;           ///< these two with a drive that follows as its file says
   VectorX lever;                ///< typical travel of the robot's farthest point per motion of a joint [m/rad, 1]
   double base_lever = 0.8;      ///< and per turn of the base [m/rad]
 
@@ -51,6 +52,12 @@ struct MotionLimits {
   /// True if a drive to a point at this distance, `along` of it ahead, goes backwards [m].
   bool drives_backwards(double along, double distance) const noexcept {
     return along < -std::sin(0.5 * facing) * distance;
+  }
+
+  /// Sets the accelerations of a base whose drive follows with this share of its own (Predictor::drive()).
+  void set_drive(double share) noexcept {
+    linear_acceleration = share * capability[0];
+    angular_acceleration = share * capability[1];
   }
 
   /// Returns the squared distance of two configurations [m^2]: of the base's way, 0.3 m per rad of its heading, and

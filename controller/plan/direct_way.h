@@ -28,6 +28,8 @@ class DirectWay {
   void set_objects(std::span<const ObjectShape> objects);
   /// Keeps the tool upright on the ways that begin from now on.
   void keep_upright(const std::optional<Upright>& upright) noexcept { upright_ = upright; }
+  /// As Planner::set_drive().
+  void set_drive(double share) noexcept { limits_.set_drive(share); }
   void begin(const MotionState& start, const Isometry& X_WG, std::span<const ObjectState> objects) noexcept;
   /// Begins a search for a way through the goal at X_WG to the one at X_WN, in less than `within` seconds. A try is a
   /// way to the goal (passing_way.h), past the configuration `pass` or near it, and the quickest of a few direct ways

@@ -59,6 +59,8 @@ class Planner {
   void set_objects(std::span<const ObjectShape> objects);
   /// Keeps the tool upright in the plans that begin from now on.
   void keep_upright(const std::optional<Upright>& upright) noexcept;
+  /// Plans from the next begin() on for a base whose drive has this share of its accelerations.
+  void set_drive(double share) noexcept { limits_.set_drive(share); }
   /// Begins a plan from `start`, where the robot rests after `braking`, among visible objects at rest. Its path
   /// includes the braking. The plan fails if it finds no path that takes less than `within` seconds after the braking.
   /// If goal and objects are those of the last plan, it keeps that plan's goal configurations and their tree and

@@ -1,5 +1,7 @@
 #include "controller/policy/policy.h"
 
+#include <algorithm>
+
 #include "controller/closed_form/closed_form.h"
 #include "controller/lookahead/lookahead.h"
 #include "controller/model/base_kind.h"
@@ -36,7 +38,8 @@ class PathPolicy final : public Policy {
     const Near near = parts_.poser.look(now);
     enter(now.clock, StepPart::kAhead);
     Lookahead& ahead = *parts_.lookahead;
-    ahead.decide(now.o, now.servo.error, now.servo.R_WG);
+    const BaseRamp::Shares& drive = now.execution.drive;
+    ahead.decide(now.o, now.servo.error, now.servo.R_WG, std::min(drive.speeding, drive.slowing));
     if (ahead.begins_anew()) parts_.escape.reset();
     begun_with_ = parts_.escape.state();
     if (!ahead.guides()) return servo_.aim(now, near);

@@ -130,6 +130,7 @@ struct EstimationParams {
   int least_tried = 12, beyond = 3;
   double forget = 0.5, better = 0.7;
   double velocity_noise = 0.03, observe = 0.5;
+  double slips = 0.2, slip_prior = 0.05;
   double gain = 0.02, gain_forget = 10.0;
   double least_gain = 0.7, largest_gain = 1.3;
   double missed = 5.0;
@@ -149,6 +150,11 @@ constexpr void describe(auto& v, Of<EstimationParams>) {
       unless_default(non_negative("m/s or rad/s", "difference of the base's velocity from its ramp that is noise")));
   v.member("observe", &T::observe,
            unless_default(share("share of a larger difference by which the ramp is moved; 0: none")));
+  v.member("slips", &T::slips,
+           unless_default(share("share of a hard acceleration that a base that slips does not do, at least")));
+  v.member(
+      "slip_prior", &T::slip_prior,
+      unless_default(positive("s", "time of full acceleration that the belief in a base without slip counts for")));
   v.member("gain", &T::gain,
            in_range({0.0, 0.5}, "1", "spread of the base's gains from drive to drive; 0: the gains are 1"));
   v.member("gain_forget", &T::gain_forget,

@@ -23,7 +23,9 @@ struct PredictionMemory {
   Vector3 base = Vector3::Zero();  ///< filtered (x, y, phi) as of the last measurement
   bool catching_up = false;        ///< joints still follow commands that had waited longer (Predictor::send)
   int drive = 0;                   ///< index of the drive that the base is taken to have (Predictor)
-  double slowing = 1.0;            ///< least share of the deceleration among the drives found since reset()
+  double slowing = 1.0;            ///< least share of the deceleration estimated since reset()
+  /// Sums of the ramp's changes at hard accelerations, and of the part of them that the base did not do.
+  Vector3 asked = Vector3::Zero(), behind = Vector3::Zero();
   /// `base_velocity` by the ramp of each candidate drive: one block per drive, one entry per candidate round trip.
   std::vector<Vector3> driven;
   /// Sums of the base's gains, velocity measured / commanded, for each of its velocities (Predictor).
@@ -48,9 +50,12 @@ constexpr void describe(auto& v, Of<PredictionMemory>) {
   v.member("catching_up", &M::catching_up,
            unless_default({.text = "joints follow commands that waited longer before"}));
   v.member("drive", &M::drive, unless_default({.text = "index of the drive that the base is taken to have"}));
-  v.member(
-      "slowing", &M::slowing,
-      unless_default(positive_share("least share of the base's deceleration that a drive had that was found so far")));
+  v.member("slowing", &M::slowing,
+           unless_default(positive_share("least share of the base's deceleration that was estimated so far")));
+  v.member("asked", &M::asked,
+           unless_default(quantity("m/s or rad/s", "sums of the ramp's changes at hard accelerations")));
+  v.member("behind", &M::behind,
+           unless_default(quantity("m/s or rad/s", "sums of the part of them that the base did not do")));
   v.member("driven", &M::driven, unless_default(quantity("m/s or rad/s", "the base's velocity by each drive")));
   v.member(
       "gain_measured", &M::gain_measured,

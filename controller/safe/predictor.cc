@@ -23,6 +23,10 @@ constexpr double kPartOfPeriod = 0.35;
 constexpr double kVelocityNoise = 0.01;
 constexpr double kFollows = 1e-6;  // of a drive's velocity from its command
 
+// Shares of the drive's acceleration: from which on it is hard, and that a base that slips does at least.
+constexpr double kHard = 0.5;
+constexpr double kLeastDone = 0.25;
+
 // Shares of the drive's accelerations that are compared.
 constexpr auto kDrives = std::to_array<BaseRamp::Shares>(
     {{}, {1.0, 0.75}, {1.0, 0.5}, {1.0, 1.0 / 3.0}, {0.75, 0.75}, {0.5, 0.5}, {1.0 / 3.0, 1.0 / 3.0}});
@@ -86,6 +90,10 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
   joint_step_ = VectorX::Constant(num_joints_, kInfinity);
   if (acceleration_limit.size() == model.num_velocities()) joint_step_ = dt_ * acceleration_limit.tail(num_joints_);
   base_speed_.head(base_dof_) = model.velocity_limits().head(base_dof_);
+  if (base_dof_ > 0) {
+    base_acceleration_.setConstant(model.base.max_acceleration.x());
+    base_acceleration_[base_dof_ - 1] = model.base.max_acceleration.y();
+  }
   if (params.identify && params.estimation.gain > 0.0)
     gain_prior_ = kVelocityNoise * kVelocityNoise / (params.estimation.gain * params.estimation.gain);
   out_.q = VectorX::Zero(num_joints_);
@@ -159,6 +167,7 @@ void Predictor::follow_command() noexcept {
 // clearly below that of the present drive at every round trip.
 bool Predictor::identify_base(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
+  if (slips()) return false;
   const EstimationParams& e = params_.estimation;
   for (int i = 0; i < kNumDrives; ++i)
     for (int age = 0; age < tried_; ++age) {
@@ -183,8 +192,11 @@ bool Predictor::identify_base(const Observation& o) noexcept {
     m.drive = drive;
     m.slowing = std::min(m.slowing, kDrives[at(drive)].slowing);
     ramp_.set_shares(kDrives[at(drive)]);
-    m.gain_measured.setZero();  // what was measured of another drive tells nothing
+    // Sums about another drive tell nothing.
+    m.gain_measured.setZero();
     m.gain_commanded.setZero();
+    m.asked.setZero();
+    m.behind.setZero();
   }
   if (trip == m.base_trip.periods) return false;
   m.base_trip.periods = trip;
@@ -197,7 +209,7 @@ void Predictor::identify_gains(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
   const Vector3 command = ramp_.base_of(m.sent[at(m.base_trip.periods)]);
   const Vector3 follows = gains().cwiseProduct(command) - driven(m.drive, m.base_trip.periods);
-  if (gain_prior_ == 0.0 || follows.cwiseAbs().maxCoeff() > kFollows) return;
+  if (gain_prior_ == 0.0 || slips() || follows.cwiseAbs().maxCoeff() > kFollows) return;
   const double kept = 1.0 - std::min(1.0, dt_ / params_.estimation.gain_forget);
   for (int i = 0; i < base_dof_; ++i) {
     m.gain_measured[i] = kept * m.gain_measured[i] + o.qdot[i] * command[i];
@@ -326,12 +338,46 @@ void Predictor::correct_base(const Vector3& measured) noexcept {
 void Predictor::correct_velocity(const Observation& o) noexcept {
   const EstimationParams& e = params_.estimation;
   PredictionMemory& m = memory_;
+  const int now = m.base_trip.periods;
   for (int i = 0; i < base_dof_; ++i) {
-    const double off = o.qdot[i] - m.base_velocity[at(m.base_trip.periods)][i];
+    const double ramp = m.base_velocity[at(now)][i];
+    const double off = o.qdot[i] - ramp;
     const double change = e.observe * (off - std::clamp(off, -e.velocity_noise, e.velocity_noise));
+    if (params_.identify) identify_slip(i, ramp + change);
     if (change == 0.0) continue;
-    for (int age = 0; age <= m.base_trip.periods; ++age) m.base_velocity[at(age)][i] += change;
+    for (int age = 0; age <= now; ++age) m.base_velocity[at(age)][i] += change;
   }
+}
+
+// Estimates how much of a hard acceleration that it is asked for the base does, by the ramp and its correction. Gentle
+// acceleration tells nothing of hard braking, hard speeding up does: it is the same drive on the same floor. A base
+// that does not change its velocity at all has another gain, and does not slip.
+void Predictor::identify_slip(int i, double corrected) noexcept {
+  PredictionMemory& m = memory_;
+  const double kept = 1.0 - std::min(1.0, dt_ / params_.estimation.forget);
+  m.asked[i] *= kept;
+  m.behind[i] *= kept;
+  const int now = m.base_trip.periods;
+  const double before = m.base_velocity[at(now + 1)][i], most = base_acceleration_[i] * dt_;
+  const double wanted = gains()[i] * ramp_.base_of(m.sent[at(now)])[i] - before;
+  const double asked = std::min(std::abs(wanted), most), done = std::copysign(1.0, wanted) * (corrected - before);
+  if (asked < kHard * most || done < kLeastDone * most) return;
+  m.asked[i] += asked;
+  m.behind[i] += asked - done;
+  if (slip(i) > params_.estimation.slips) m.slowing = std::min(m.slowing, std::max(kLeastDone, 1.0 - slip(i)));
+}
+
+// Share of a hard acceleration that the base did not do of late.
+double Predictor::slip(int i) const noexcept {
+  return memory_.behind[i] / (memory_.asked[i] + params_.estimation.slip_prior * base_acceleration_[i]);
+}
+
+// True if the base did clearly less than its drive does.
+bool Predictor::slips() const noexcept {
+  const double slow = 1.0 - kDrives[at(memory_.drive)].slowing;
+  for (int i = 0; i < base_dof_; ++i)
+    if (slip(i) > slow + params_.estimation.slips) return true;
+  return false;
 }
 
 void Predictor::predict_joints() noexcept {

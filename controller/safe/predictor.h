@@ -40,6 +40,9 @@ namespace moma {
 /// commands. The pair of a ramp and a round trip that explains the measured velocity of the last half second clearly
 /// better than the present pair replaces it.
 ///
+/// Slip: while a command asks for a hard acceleration, the share of it that the base does not do bounds the believed
+/// deceleration, sooner than the misfits of half a second. While the base slips, nothing else is estimated.
+///
 /// Observer: where the base's measured velocity is off from its ramp's by more than noise, the ramp moves towards it,
 /// so that commands start from what the base does. Without the observer, commands run ahead of a slow drive until the
 /// predictor has identified it.
@@ -81,8 +84,8 @@ class Predictor {
   /// Number of periods that this step's command may have to act; at least 1.
   double hold() const noexcept { return memory_.hold; }
   /// Returns the estimated shares of the base's accelerations with which its drive follows. The share of the
-  /// deceleration is the least estimate since reset(): a base that slips during hard braking does not slip during
-  /// gentle braking.
+  /// deceleration is the least estimate since reset(), of drives and of slip: a base that slips during hard braking
+  /// does not slip during gentle braking.
   BaseRamp::Shares drive() const noexcept;
   /// Time from a command to the measurement of its velocity, configured or identified [s].
   double base_round_trip() const noexcept { return base_dof_ > 0 ? memory_.base_trip.periods * dt_ : 0.0; }
@@ -102,6 +105,9 @@ class Predictor {
   void identify_gains(const Observation& o) noexcept;
   Vector3 gains() const noexcept;
   void correct_velocity(const Observation& o) noexcept;
+  void identify_slip(int i, double corrected) noexcept;
+  double slip(int i) const noexcept;
+  bool slips() const noexcept;
   void correct_base(const Vector3& measured) noexcept;
   void predict_object(const ObjectState& seen, std::size_t i) noexcept;
   void predict_joints() noexcept;
@@ -116,8 +122,9 @@ class Predictor {
   BaseRamp ramp_;
   VectorX joint_step_;  // largest change of a joint's command in a period
   double base_share_;
-  Vector3 base_speed_ = Vector3::Zero();  // largest velocities
-  double gain_prior_ = 0.0;               // weight of a gain of 1 [(m/s)^2, (rad/s)^2]; 0: gains are 1
+  Vector3 base_speed_ = Vector3::Zero();         // largest velocities
+  Vector3 base_acceleration_ = Vector3::Zero();  // largest accelerations
+  double gain_prior_ = 0.0;                      // weight of a gain of 1 [(m/s)^2, (rad/s)^2]; 0: gains are 1
   UncertaintyParams uncertain_;
   Uncertainty uncertainty_;
   PoseFilter filter_;

@@ -225,6 +225,28 @@ TEST_P(DirectWayOf, WaysAreFreeAndLeadToTheGoalWithinLimits) {
   EXPECT_GE(found, 4) << "too few to say anything";
 }
 
+TEST_P(DirectWayOf, KeepsToTheShareOfTheDrive) {
+  if (!model->mobile()) return;
+  const MotionLimits full = direct.limits();
+  double before = 0.0, slower = 0.0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Scene scene = make_scene(model, seed, 0);
+    direct.set_drive(1.0);
+    if (!find(scene)) continue;
+    const double time = direct.path().duration;
+    direct.set_drive(0.5);
+    if (!find(scene)) continue;
+    before += time;
+    slower += direct.path().duration;
+    const Extremes most = extremes(direct.path());
+    EXPECT_LE(most.acceleration[2], kDifferences * 0.5 * full.angular_acceleration) << "seed " << seed;
+    if (full.base->lateral()) {
+      EXPECT_LE(most.acceleration.head<2>().maxCoeff(), kDifferences * 0.5 * full.linear_acceleration);
+    }
+  }
+  EXPECT_GT(slower, 1.05 * before);
+}
+
 // From a motion it begins at the robot's velocity, and joints and an omnidirectional base keep their accelerations from
 // there on: what slows down and what speeds up add.
 TEST_P(DirectWayOf, BeginsAtTheVelocityThatTheRobotHas) {

@@ -407,6 +407,26 @@ TEST_P(Ahead, SetsOutAlongADirectWay) {
 }
 
 // A robot at rest whose policy is predicted to fail stands until it has chosen a path.
+// A base whose drive follows with half of its accelerations: ways are planned for that.
+TEST_P(Ahead, PlansForTheDriveThatItFound) {
+  if (!model->mobile()) return;
+  const ControllerParams params = read_params(*model, true, "moma");
+  double longest[2]{};
+  for (const bool slow : {false, true}) {
+    Loop loop(model, params, make_scene(model, 3, 0));
+    ControllerMemory memory;
+    loop.controller.get_memory(memory);
+    if (slow) memory.prediction.slowing = 0.5;
+    loop.controller.set_memory(memory);
+    for (int k = 0; k < 50; ++k) {
+      loop.step();
+      longest[slow] = std::max(longest[slow], loop.result.plan.duration);
+    }
+  }
+  EXPECT_GT(longest[0], 0.0);
+  EXPECT_GT(longest[1], 1.05 * longest[0]);
+}
+
 TEST_P(Ahead, APolicyThatFailsDoesNotSetOut) {
   if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {

@@ -32,6 +32,7 @@ class LateRobot {
   }
 
   const Observation& state() const { return state_; }
+  void set_shares(const BaseRamp::Shares& shares) { shares_ = shares; }
   Observation measured() const {
     Observation o = old(late_.joint_sensing);
     const Observation& base = old(late_.base_sensing);
@@ -156,7 +157,7 @@ TEST(Predictor, FindsHowTheBasesDriveFollows) {
         }
       };
       to_and_fro(drive);
-      EXPECT_NEAR(predictor.drive().slowing, drive.slowing, 0.01) << model->name;
+      EXPECT_NEAR(predictor.drive().slowing, drive.slowing, 0.03) << model->name;
       EXPECT_NEAR(predictor.drive().speeding, drive.speeding, 0.01) << model->name;
       Predictor again(*model, params, {}, 0.0, kPeriod);
       again.reset({});
@@ -164,7 +165,7 @@ TEST(Predictor, FindsHowTheBasesDriveFollows) {
       EXPECT_EQ(again.drive().slowing, predictor.drive().slowing);
       to_and_fro({});
       EXPECT_EQ(predictor.drive().speeding, 1.0) << model->name;
-      EXPECT_NEAR(predictor.drive().slowing, drive.slowing, 0.01) << model->name << ": the least that was found";
+      EXPECT_NEAR(predictor.drive().slowing, drive.slowing, 0.03) << model->name << ": the least that was found";
       predictor.reset({});
       EXPECT_EQ(predictor.drive().slowing, 1.0);
     }
@@ -233,6 +234,48 @@ TEST(Predictor, CommandsStartFromWhatASlowBaseDoes) {
     for (const int way : {0, 1}) {
       EXPECT_GT(ahead[0][way], 0.0) << model->name;
       EXPECT_LT(ahead[1][way], 0.75 * ahead[0][way]) << model->name << (way == 0 ? " driving" : " turning");
+    }
+  }
+}
+
+// A base that slips as it brakes, after it has sped up as its file says: believed within 0.3 s, as slip and not as
+// lateness or as a gain.
+TEST(Predictor, BelievesABaseThatSlipsAtOnce) {
+  constexpr Lateness kLate{3, 1, 1, 0};
+  for (const auto& model : {frankie(), mecanum()}) {
+    for (const double share : {1.0, 0.5, 0.35}) {
+      Rng rng(4);
+      std::normal_distribution<double> noise(0.0, 0.01);
+      PredictionParams params = known(kLate);
+      params.identify = true;
+      params.estimation.gain = 0.02;
+      Predictor predictor(*model, params, {}, 0.8, kPeriod);
+      predictor.reset({});
+      LateRobot robot(*model, kLate, Vector3::Zero(), model->ready);
+      VectorX command = VectorX::Zero(model->num_velocities()), sent = command;
+      const double step = 0.8 * kPeriod * model->base.max_acceleration.x();
+      const auto move = [&](int periods, double wanted) {
+        for (int k = 0; k < periods; ++k) {
+          Observation o = robot.measured();
+          for (int i = 0; i < model->base_dof(); ++i) o.qdot[i] += noise(rng);
+          const double now = predictor.predict(o).qdot[0];
+          command[0] = std::clamp(wanted, now - step, now + step);
+          predictor.send(command, sent);
+          robot.drive(sent);
+        }
+      };
+      move(80, 0.9);
+      EXPECT_EQ(predictor.drive().slowing, 1.0) << model->name;
+      const double round_trip = predictor.base_round_trip();
+      robot.set_shares({share, share});
+      move(15 + kLate.base_drive + kLate.base_sensing, 0.0);
+      EXPECT_LE(predictor.drive().slowing, std::min(1.0, share + 0.2)) << model->name << ", " << share;
+      EXPECT_GE(predictor.drive().slowing, share - 0.1) << model->name << ", " << share;
+      EXPECT_EQ(predictor.base_round_trip(), round_trip) << model->name << ", " << share;
+      robot.set_shares({});
+      move(80, 0.0);
+      move(80, 0.5);
+      EXPECT_NEAR(robot.state().qdot[0], 0.5, 0.02) << model->name << ", " << share << ": the gain is 1 as before";
     }
   }
 }
