@@ -167,7 +167,6 @@ void Predictor::follow_command() noexcept {
 // clearly below that of the present drive at every round trip.
 bool Predictor::identify_base(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
-  if (slips()) return false;
   const EstimationParams& e = params_.estimation;
   for (int i = 0; i < kNumDrives; ++i)
     for (int age = 0; age < tried_; ++age) {

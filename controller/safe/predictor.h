@@ -41,7 +41,7 @@ namespace moma {
 /// better than the present pair replaces it.
 ///
 /// Slip: while a command asks for a hard acceleration, the share of it that the base does not do bounds the believed
-/// deceleration, sooner than the misfits of half a second. While the base slips, nothing else is estimated.
+/// deceleration, sooner than the misfits of half a second. While the base slips, no gain is estimated.
 ///
 /// Observer: where the base's measured velocity is off from its ramp's by more than noise, the ramp moves towards it,
 /// so that commands start from what the base does. Without the observer, commands run ahead of a slow drive until the
