@@ -38,6 +38,8 @@ class BaseRamp {
   void set_base(const Vector3& base, VectorX& velocities) const noexcept { velocities.head(dof_) = base.head(dof_); }
 
   int dof() const noexcept { return dof_; }
+  /// Acceleration of a coordinate with the whole drive [m/s^2, rad/s^2].
+  double acceleration(int i) const noexcept { return i + 1 == dof_ ? acceleration_.y() : acceleration_.x(); }
 
  private:
   int dof_;

@@ -90,10 +90,6 @@ Predictor::Predictor(const RobotModel& model, const PredictionParams& params, co
   joint_step_ = VectorX::Constant(num_joints_, kInfinity);
   if (acceleration_limit.size() == model.num_velocities()) joint_step_ = dt_ * acceleration_limit.tail(num_joints_);
   base_speed_.head(base_dof_) = model.velocity_limits().head(base_dof_);
-  if (base_dof_ > 0) {
-    base_acceleration_.setConstant(model.base.max_acceleration.x());
-    base_acceleration_[base_dof_ - 1] = model.base.max_acceleration.y();
-  }
   if (params.identify && params.estimation.gain > 0.0)
     gain_prior_ = kVelocityNoise * kVelocityNoise / (params.estimation.gain * params.estimation.gain);
   out_.q = VectorX::Zero(num_joints_);
@@ -145,7 +141,7 @@ const Vector3& Predictor::driven(int drive, int age) const noexcept { return mem
 // Advances the base's velocity by the period in which the command sent last acts: by its ramp, and by each drive's.
 void Predictor::follow_command() noexcept {
   PredictionMemory& m = memory_;
-  const Vector3 command = gains().cwiseProduct(ramp_.base_of(m.sent.front()));
+  const Vector3 command = followed_command(0);
   Vector3 latest = m.base_velocity.front();
   ramp_.follow(command, dt_, latest);
   shifted(m.base_velocity) = latest;
@@ -225,6 +221,11 @@ Vector3 Predictor::gains() const noexcept {
   return gains;
 }
 
+// Returns the velocity that the base takes by the command sent `age` periods before the latest.
+Vector3 Predictor::followed_command(int age) const noexcept {
+  return gains().cwiseProduct(ramp_.base_of(memory_.sent[at(age)]));
+}
+
 void Predictor::identify(const Observation& o) noexcept {
   PredictionMemory& m = memory_;
   const EstimationParams& e = params_.estimation;
@@ -247,7 +248,7 @@ void Predictor::identify(const Observation& o) noexcept {
 // Returns the mean velocity of the base in the period in which the command sent `age` periods before the latest acts.
 Vector3 Predictor::mean_velocity(int age) const noexcept {
   Vector3 velocity = memory_.base_velocity[at(age + 1)];
-  return ramp_.follow(gains().cwiseProduct(ramp_.base_of(memory_.sent[at(age)])), dt_, velocity);
+  return ramp_.follow(followed_command(age), dt_, velocity);
 }
 
 const Observation& Predictor::predict(const Observation& o) noexcept {
@@ -338,11 +339,12 @@ void Predictor::correct_velocity(const Observation& o) noexcept {
   const EstimationParams& e = params_.estimation;
   PredictionMemory& m = memory_;
   const int now = m.base_trip.periods;
+  const Vector3 command = followed_command(now);
   for (int i = 0; i < base_dof_; ++i) {
     const double ramp = m.base_velocity[at(now)][i];
     const double off = o.qdot[i] - ramp;
     const double change = e.observe * (off - std::clamp(off, -e.velocity_noise, e.velocity_noise));
-    if (params_.identify) identify_slip(i, ramp + change);
+    if (params_.identify) identify_slip(i, command[i], ramp + change);
     if (change == 0.0) continue;
     for (int age = 0; age <= now; ++age) m.base_velocity[at(age)][i] += change;
   }
@@ -351,14 +353,13 @@ void Predictor::correct_velocity(const Observation& o) noexcept {
 // Estimates how much of a hard acceleration that it is asked for the base does, by the ramp and its correction. Gentle
 // acceleration tells nothing of hard braking, hard speeding up does: it is the same drive on the same floor. A base
 // that does not change its velocity at all has another gain, and does not slip.
-void Predictor::identify_slip(int i, double corrected) noexcept {
+void Predictor::identify_slip(int i, double command, double corrected) noexcept {
   PredictionMemory& m = memory_;
   const double kept = 1.0 - std::min(1.0, dt_ / params_.estimation.forget);
   m.asked[i] *= kept;
   m.behind[i] *= kept;
-  const int now = m.base_trip.periods;
-  const double before = m.base_velocity[at(now + 1)][i], most = base_acceleration_[i] * dt_;
-  const double wanted = gains()[i] * ramp_.base_of(m.sent[at(now)])[i] - before;
+  const double before = m.base_velocity[at(m.base_trip.periods + 1)][i], most = ramp_.acceleration(i) * dt_;
+  const double wanted = command - before;
   const double asked = std::min(std::abs(wanted), most), done = std::copysign(1.0, wanted) * (corrected - before);
   if (asked < kHard * most || done < kLeastDone * most) return;
   m.asked[i] += asked;
@@ -368,7 +369,7 @@ void Predictor::identify_slip(int i, double corrected) noexcept {
 
 // Share of a hard acceleration that the base did not do of late.
 double Predictor::slip(int i) const noexcept {
-  return memory_.behind[i] / (memory_.asked[i] + params_.estimation.slip_prior * base_acceleration_[i]);
+  return memory_.behind[i] / (memory_.asked[i] + params_.estimation.slip_prior * ramp_.acceleration(i));
 }
 
 // True if the base did clearly less than its drive does.

@@ -104,8 +104,9 @@ class Predictor {
   bool identify_base(const Observation& o) noexcept;
   void identify_gains(const Observation& o) noexcept;
   Vector3 gains() const noexcept;
+  Vector3 followed_command(int age) const noexcept;
   void correct_velocity(const Observation& o) noexcept;
-  void identify_slip(int i, double corrected) noexcept;
+  void identify_slip(int i, double command, double corrected) noexcept;
   double slip(int i) const noexcept;
   bool slips() const noexcept;
   void correct_base(const Vector3& measured) noexcept;
@@ -122,9 +123,8 @@ class Predictor {
   BaseRamp ramp_;
   VectorX joint_step_;  // largest change of a joint's command in a period
   double base_share_;
-  Vector3 base_speed_ = Vector3::Zero();         // largest velocities
-  Vector3 base_acceleration_ = Vector3::Zero();  // largest accelerations
-  double gain_prior_ = 0.0;                      // weight of a gain of 1 [(m/s)^2, (rad/s)^2]; 0: gains are 1
+  Vector3 base_speed_ = Vector3::Zero();  // largest velocities
+  double gain_prior_ = 0.0;               // weight of a gain of 1 [(m/s)^2, (rad/s)^2]; 0: gains are 1
   UncertaintyParams uncertain_;
   Uncertainty uncertainty_;
   PoseFilter filter_;

@@ -406,10 +406,9 @@ TEST_P(Ahead, SetsOutAlongADirectWay) {
   EXPECT_LT(with, 0.97 * without);
 }
 
-// A robot at rest whose policy is predicted to fail stands until it has chosen a path.
 // A base whose drive follows with half of its accelerations: ways are planned for that.
 TEST_P(Ahead, PlansForTheDriveThatItFound) {
-  if (!model->mobile()) return;
+  if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
   const ControllerParams params = read_params(*model, true, "moma");
   double longest[2]{};
   for (const bool slow : {false, true}) {
@@ -427,6 +426,7 @@ TEST_P(Ahead, PlansForTheDriveThatItFound) {
   EXPECT_GT(longest[1], 1.05 * longest[0]);
 }
 
+// A robot at rest whose policy is predicted to fail stands until it has chosen a path.
 TEST_P(Ahead, APolicyThatFailsDoesNotSetOut) {
   if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
