@@ -27,7 +27,8 @@ OccupancyMap::OccupancyMap(const MapParams& params)
       pass_(units(params.evidence.pass)),
       least_(-units(params.evidence.least)),
       most_(units(params.evidence.most)),
-      pocket_(static_cast<int>(std::lround(params.unseen.least / params.cell))) {
+      pocket_(static_cast<int>(std::lround(params.unseen.least / params.cell))),
+      behind_(static_cast<int>(std::lround(params.unseen.behind / params.cell))) {
   count_ += (kBlock - count_ % kBlock) % kBlock;
   clear(0.0, 0.0);
 }
@@ -42,6 +43,7 @@ void OccupancyMap::clear(double x, double y) {
   columns_.assign(columns, Column{});
   left_.assign(columns, 0);
   cubes_.assign(columns, 0);
+  near_.assign(columns, 0);
   covered_.assign(columns, 0);
   blocks_.assign(columns / (kBlock * kBlock), Block{});
   region_ = {};
@@ -253,35 +255,44 @@ void OccupancyMap::take_for_free(const Eigen::Vector3i& cell, bool surely) noexc
   if (!freed_already(cell, surely)) set(column(cell.x(), cell.y()), block(cell.x(), cell.y()), cell.z(), -pass_);
 }
 
-// The cubes are found by an erosion and a dilation of the cells that are not free, one cell at a time. Each works in
-// place, in the order in which it reads nothing that it has changed.
+// A cell is the low corner of a cube without a free cell unless a free cell lies in that cube: free cells grow
+// downwards, and the corners that they leave grow upwards to cubes. Occupied cells grow both ways.
 void OccupancyMap::leave_out_pockets(const CellBox& region) noexcept {
-  const int more = pocket_ - 1;
+  const int more = pocket_ - 1, reach = std::max(more, behind_);
   if (more <= 0) return;
-  const Eigen::Vector3i low = (region.low.array() - more).cwiseMax(0), high = (region.high.array() + more).min(count_);
-  const Layers outside = ~bits(0, layers_), top = ~(~Layers{0} >> 1);
-  const auto hides = [&](int x, int y) {
-    return x >= low.x() && y >= low.y() && x < high.x() && y < high.y() ? cubes_[column(x, y)] : ~Layers{0};
+  const Eigen::Vector3i low = (region.low.array() - reach).cwiseMax(0),
+                        high = (region.high.array() + reach).min(count_);
+  const Layers outside = ~bits(0, layers_);
+  const auto each_column = [&](bool upwards, auto&& of) {
+    for (int i = 0; i < high.x() - low.x(); ++i)
+      for (int j = 0; j < high.y() - low.y(); ++j)
+        upwards ? of(low.x() + i, low.y() + j) : of(high.x() - 1 - i, high.y() - 1 - j);
   };
-  for (int x = low.x(); x < high.x(); ++x)
-    for (int y = low.y(); y < high.y(); ++y) {
-      const Column& c = columns_[column(x, y)];
-      cubes_[column(x, y)] = c.unseen | c.occupied | outside;
-    }
-  for (int k = 0; k < more; ++k)
-    for (int x = low.x(); x < high.x(); ++x)
-      for (int y = low.y(); y < high.y(); ++y) {
-        const Layers all = hides(x, y) & hides(x + 1, y) & hides(x, y + 1) & hides(x + 1, y + 1);
-        cubes_[column(x, y)] = all & (all >> 1 | top);
-      }
-  for (int k = 0; k < more; ++k)
-    for (int x = high.x() - 1; x >= low.x(); --x)
-      for (int y = high.y() - 1; y >= low.y(); --y) {
-        const Layers any = hides(x, y) | hides(x - 1, y) | hides(x, y - 1) | hides(x - 1, y - 1);
-        cubes_[column(x, y)] = any | any << 1;
-      }
+  // By a cell towards lower or higher ones, in place: in the order in which no changed cell is read.
+  const auto grow = [&](std::vector<Layers>& cells, bool downwards, int steps, Layers beyond) {
+    const auto in = [&](int x, int y) {
+      return x >= low.x() && y >= low.y() && x < high.x() && y < high.y() ? cells[column(x, y)] : beyond;
+    };
+    const int side = downwards ? 1 : -1;
+    for (int k = 0; k < steps; ++k)
+      each_column(downwards, [&](int x, int y) {
+        const Layers any = in(x, y) | in(x + side, y) | in(x, y + side) | in(x + side, y + side);
+        cells[column(x, y)] = any | (downwards ? any >> 1 : any << 1);
+      });
+  };
+  each_column(true, [&](int x, int y) {
+    const Column& c = columns_[column(x, y)];
+    cubes_[column(x, y)] = ~(c.unseen | c.occupied | outside);
+    near_[column(x, y)] = c.occupied;
+  });
+  grow(cubes_, true, more, 0);
+  each_column(true, [&](int x, int y) { cubes_[column(x, y)] = ~cubes_[column(x, y)]; });
+  grow(cubes_, false, more, ~Layers{0});
+  grow(near_, true, behind_, 0);
+  grow(near_, false, behind_, 0);
   for (int x = region.low.x(); x < region.high.x(); ++x)
-    for (int y = region.low.y(); y < region.high.y(); ++y) left_[column(x, y)] &= cubes_[column(x, y)];
+    for (int y = region.low.y(); y < region.high.y(); ++y)
+      left_[column(x, y)] &= cubes_[column(x, y)] | near_[column(x, y)];
 }
 
 void OccupancyMap::cover(Kind kind, CellBox region, std::vector<CellBox>& boxes) noexcept {

@@ -102,12 +102,14 @@ class OccupancyMap {
   int count_, layers_;
   int hit_, pass_, least_, most_;                     // in units
   int pocket_;                                        // edge of the cubes, in cells
+  int behind_;                                        // depth behind occupied cells, in cells
   Eigen::Vector3i origin_ = Eigen::Vector3i::Zero();  // of the window's first cell, in cells
   std::vector<std::int8_t> odds_;
   std::vector<Column> columns_;
   std::vector<Block> blocks_;
   std::vector<Layers> left_;     // cells of each column that cover() has not covered yet
   std::vector<Layers> cubes_;    // cells of each column in cubes without a free cell
+  std::vector<Layers> near_;     // cells of each column near an occupied one
   std::vector<Layers> covered_;  // cells of each column in a box of the last cover() of occupied cells
   CellBox region_;               // of that call
   bool uncovered_ = false;

@@ -36,6 +36,7 @@ struct UnseenParams {
   double around = 0.01;     ///< depth up to which ways may enter it while one is found [m]; 0: they go through it
   double facing = 0.0;      ///< turning that a base prefers to a drive backwards, if no sensor looks there [rad]
   double least = 0.0;       ///< edge of the smallest cube of it that counts [m]
+  double behind = 0.0;      ///< distance from occupied cells up to which smaller pockets count, too [m]
   int boxes = 160;          ///< most boxes
 };
 
@@ -59,6 +60,10 @@ constexpr void describe(auto& v, Of<UnseenParams>) {
            unless_default(in_range({0.0, 1.0}, "m",
                                    "edge of the smallest cube of unseen space that counts: smaller things "
                                    "are taken to be seen from somewhere; 0: each cell counts")));
+  v.member("behind", &T::behind,
+           unless_default(in_range({0.0, 1.0}, "m",
+                                   "distance from occupied cells up to which smaller pockets count, too: what was seen "
+                                   "from one side alone is that deep")));
   v.member("boxes", &T::boxes, in_range({1.0, 1000.0}, "", "number of boxes, the nearest ones"));
 }
 

@@ -200,10 +200,19 @@ TEST(OccupancyMap, BoxesCoverEachCellOnce) {
   }
 }
 
-TEST(OccupancyMap, UnseenCellsCountInCubesWithoutAFreeCell) {
-  for (const auto& [least, edge] : {std::pair{0.1, 2}, {0.15, 3}, {0.25, 5}}) {
+TEST(OccupancyMap, UnseenCellsCountInCubesWithoutAFreeCellAndBehindOccupiedOnes) {
+  struct Case {
+    double least;
+    int edge;
+    double behind;
+    int near;
+  };
+  for (const auto& [least, edge, behind, near] :
+       {Case{0.1, 2, 0.0, 0}, {0.15, 3, 0.0, 0}, {0.15, 3, 0.05, 1}, {0.15, 3, 0.2, 4}, {0.25, 5, 0.1, 2}}) {
+    SCOPED_TRACE(testing::Message() << "least " << least << ", behind " << behind);
     MapParams params;
     params.unseen.least = least;
+    params.unseen.behind = behind;
     OccupancyMap map = filled(params);
     const CellBox region{{0, 30, 2}, {115, 128, 33}};
     std::vector<CellBox> boxes;
@@ -233,16 +242,23 @@ TEST(OccupancyMap, UnseenCellsCountInCubesWithoutAFreeCell) {
               return each_of({low.cwiseMax(0), cube.high.cwiseMin(map.cells())},
                              [&](const Eigen::Vector3i& c) { return counts[at(c)] = map.unseen(c), true; });
             });
-    long wrong = 0, wanted = 0, pockets = 0;
+    long wrong = 0, wanted = 0, pockets = 0, attached = 0;
+    const Eigen::Vector3i around = Eigen::Vector3i::Constant(near), next = Eigen::Vector3i::Ones();
     each_of(region, [&](const Eigen::Vector3i& c) {
+      const auto is_free = [&](const Eigen::Vector3i& other) { return !map.occupied(other); };
+      if (map.unseen(c) && !counts[at(c)] && !each_of({c - around, c + around + next}, is_free)) {
+        counts[at(c)] = 1;
+        ++attached;
+      }
       wanted += counts[at(c)];
       pockets += map.unseen(c) && !counts[at(c)] ? 1 : 0;
       wrong += covered[at(c)] != counts[at(c)] ? 1 : 0;
       return true;
     });
-    EXPECT_EQ(wrong, 0) << least;
-    EXPECT_GT(wanted, 500) << least;
-    EXPECT_GT(pockets, 100) << least;
+    EXPECT_EQ(wrong, 0);
+    EXPECT_GT(wanted, 500);
+    EXPECT_GT(pockets, 100);
+    if (near > 0) EXPECT_GT(attached, 100);
   }
 }
 
