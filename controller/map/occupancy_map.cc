@@ -43,7 +43,6 @@ void OccupancyMap::clear(double x, double y) {
   columns_.assign(columns, Column{});
   left_.assign(columns, 0);
   cubes_.assign(columns, 0);
-  near_.assign(columns, 0);
   covered_.assign(columns, 0);
   blocks_.assign(columns / (kBlock * kBlock), Block{});
   region_ = {};
@@ -115,13 +114,17 @@ void OccupancyMap::set(std::size_t column, std::size_t block, int z, int odds) n
   in.settled = count == kBlock * kBlock ? in.settled | bit : in.settled & ~bit;
 }
 
-void OccupancyMap::hit(const Vector3& p) noexcept {
+void OccupancyMap::hit(const Vector3& p, const Vector3& along) noexcept {
   const Eigen::Vector3i at_cell = cell_of(p);
   if (!inside(at_cell)) return;
   const std::size_t in = column(at_cell.x(), at_cell.y());
   const Layers bit = Layers{1} << at_cell.z();
   if ((hits_[in] & bit) != 0) return;
   hits_[in] |= bit;
+  for (int k = 1; k <= behind_; ++k) {
+    const Eigen::Vector3i hidden = cell_of(p + k * size_ * along);
+    if (inside(hidden)) columns_[column(hidden.x(), hidden.y())].behind |= Layers{1} << hidden.z();
+  }
   const std::size_t at_block = block(at_cell.x(), at_cell.y());
   change(at_block);
   const int is = odds_[at(at_cell)], before = is == kUnseen ? 0 : is, after = std::min(before + hit_, most_);
@@ -256,43 +259,39 @@ void OccupancyMap::take_for_free(const Eigen::Vector3i& cell, bool surely) noexc
 }
 
 // A cell is the low corner of a cube without a free cell unless a free cell lies in that cube: free cells grow
-// downwards, and the corners that they leave grow upwards to cubes. Occupied cells grow both ways.
+// downwards, and the corners that they leave grow upwards to cubes.
 void OccupancyMap::leave_out_pockets(const CellBox& region) noexcept {
-  const int more = pocket_ - 1, reach = std::max(more, behind_);
+  const int more = pocket_ - 1;
   if (more <= 0) return;
-  const Eigen::Vector3i low = (region.low.array() - reach).cwiseMax(0),
-                        high = (region.high.array() + reach).min(count_);
+  const Eigen::Vector3i low = (region.low.array() - more).cwiseMax(0), high = (region.high.array() + more).min(count_);
   const Layers outside = ~bits(0, layers_);
   const auto each_column = [&](bool upwards, auto&& of) {
     for (int i = 0; i < high.x() - low.x(); ++i)
       for (int j = 0; j < high.y() - low.y(); ++j)
         upwards ? of(low.x() + i, low.y() + j) : of(high.x() - 1 - i, high.y() - 1 - j);
   };
-  // By a cell towards lower or higher ones, in place: in the order in which no changed cell is read.
-  const auto grow = [&](std::vector<Layers>& cells, bool downwards, int steps, Layers beyond) {
-    const auto in = [&](int x, int y) {
-      return x >= low.x() && y >= low.y() && x < high.x() && y < high.y() ? cells[column(x, y)] : beyond;
-    };
+  // By a cell, in place: in the order in which no changed cell is read.
+  const auto grow = [&](bool downwards, Layers beyond) {
     const int side = downwards ? 1 : -1;
-    for (int k = 0; k < steps; ++k)
+    const auto in = [&](int x, int y) {
+      return x >= low.x() && y >= low.y() && x < high.x() && y < high.y() ? cubes_[column(x, y)] : beyond;
+    };
+    for (int k = 0; k < more; ++k)
       each_column(downwards, [&](int x, int y) {
         const Layers any = in(x, y) | in(x + side, y) | in(x, y + side) | in(x + side, y + side);
-        cells[column(x, y)] = any | (downwards ? any >> 1 : any << 1);
+        cubes_[column(x, y)] = any | (downwards ? any >> 1 : any << 1);
       });
   };
   each_column(true, [&](int x, int y) {
     const Column& c = columns_[column(x, y)];
     cubes_[column(x, y)] = ~(c.unseen | c.occupied | outside);
-    near_[column(x, y)] = c.occupied;
   });
-  grow(cubes_, true, more, 0);
+  grow(true, 0);
   each_column(true, [&](int x, int y) { cubes_[column(x, y)] = ~cubes_[column(x, y)]; });
-  grow(cubes_, false, more, ~Layers{0});
-  grow(near_, true, behind_, 0);
-  grow(near_, false, behind_, 0);
+  grow(false, ~Layers{0});
   for (int x = region.low.x(); x < region.high.x(); ++x)
     for (int y = region.low.y(); y < region.high.y(); ++y)
-      left_[column(x, y)] &= cubes_[column(x, y)] | near_[column(x, y)];
+      left_[column(x, y)] &= cubes_[column(x, y)] | columns_[column(x, y)].behind;
 }
 
 void OccupancyMap::cover(Kind kind, CellBox region, std::vector<CellBox>& boxes) noexcept {

@@ -33,8 +33,9 @@ class OccupancyMap {
   /// moved.
   bool centre(double x, double y) noexcept;
 
-  /// A frame: all its hits, then all its rays, then end(), with which the rays count.
-  void hit(const Vector3& p) noexcept;
+  /// A frame: all its hits, then all its rays, then end(), with which the rays count. `p` is a ray's end, `along` its
+  /// direction, of unit length.
+  void hit(const Vector3& p, const Vector3& along) noexcept;
   /// A ray from the sensor to its end, or to its range; the end's cell stays.
   void pass(const Vector3& from, const Vector3& to) noexcept;
   void end() noexcept;
@@ -60,8 +61,8 @@ class OccupancyMap {
   enum class Kind { kOccupied, kUnseen };
   /// Covers the cells of a kind inside `region` with disjoint boxes of at most kLongest cells an edge, at most as many
   /// as `boxes` has capacity for. Keeps the given boxes that touch the region and have cells of the kind alone. Unseen
-  /// cells count only in a cube with edges of `unseen.least` without a free cell: nothing larger than the cube can hide
-  /// in the others. What lies outside the window is not free.
+  /// cells count only in a cube with edges of `unseen.least` without a free cell, since nothing larger than the cube
+  /// can hide in the others, and up to `unseen.behind` behind a hit. What lies outside the window is not free.
   void cover(Kind kind, CellBox region, std::vector<CellBox>& boxes) noexcept;
 
   static constexpr int kUnseen = -128;
@@ -76,7 +77,7 @@ class OccupancyMap {
   }
   using Layers = std::uint64_t;  // a bit for each
   struct Column {
-    Layers occupied = 0, unseen = ~Layers{0}, settled = 0;
+    Layers occupied = 0, unseen = ~Layers{0}, settled = 0, behind = 0;
   };
   static constexpr int kBlock = 8;  // columns
   struct Block {
@@ -102,14 +103,13 @@ class OccupancyMap {
   int count_, layers_;
   int hit_, pass_, least_, most_;                     // in units
   int pocket_;                                        // edge of the cubes, in cells
-  int behind_;                                        // depth behind occupied cells, in cells
+  int behind_;                                        // depth behind a hit, in cells
   Eigen::Vector3i origin_ = Eigen::Vector3i::Zero();  // of the window's first cell, in cells
   std::vector<std::int8_t> odds_;
   std::vector<Column> columns_;
   std::vector<Block> blocks_;
   std::vector<Layers> left_;     // cells of each column that cover() has not covered yet
   std::vector<Layers> cubes_;    // cells of each column in cubes without a free cell
-  std::vector<Layers> near_;     // cells of each column near an occupied one
   std::vector<Layers> covered_;  // cells of each column in a box of the last cover() of occupied cells
   CellBox region_;               // of that call
   bool uncovered_ = false;

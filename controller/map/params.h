@@ -36,7 +36,7 @@ struct UnseenParams {
   double around = 0.01;     ///< depth up to which ways may enter it while one is found [m]; 0: they go through it
   double facing = 0.0;      ///< turning that a base prefers to a drive backwards, if no sensor looks there [rad]
   double least = 0.0;       ///< edge of the smallest cube of it that counts [m]
-  double behind = 0.0;      ///< distance from occupied cells up to which smaller pockets count, too [m]
+  double behind = 0.0;      ///< depth behind the ends of rays up to which smaller pockets count, too [m]
   int boxes = 160;          ///< most boxes
 };
 
@@ -62,8 +62,8 @@ constexpr void describe(auto& v, Of<UnseenParams>) {
                                    "are taken to be seen from somewhere; 0: each cell counts")));
   v.member("behind", &T::behind,
            unless_default(in_range({0.0, 1.0}, "m",
-                                   "distance from occupied cells up to which smaller pockets count, too: what was seen "
-                                   "from one side alone is that deep")));
+                                   "depth behind the ends of rays up to which smaller pockets count, too: what was "
+                                   "seen from one side alone is that deep")));
   v.member("boxes", &T::boxes, in_range({1.0, 1000.0}, "", "number of boxes, the nearest ones"));
 }
 

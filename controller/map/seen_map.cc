@@ -234,11 +234,11 @@ void SeenMap::take(Waiting& sensor) noexcept {
   for (Eigen::Index i = 0; i < ranges.size(); ++i) {
     const double r = ranges[i];
     if (!(r > 0.0) || r > range) continue;
-    const Vector3 p = from + r * (X_WC.linear() * sensor.directions_C[static_cast<std::size_t>(i)]);
+    const Vector3 along = X_WC.linear() * sensor.directions_C[static_cast<std::size_t>(i)], p = from + r * along;
     if (own(p))
       ranges[i] = 0.0;
     else if (p.z() > params_.floor)
-      map_.hit(p);
+      map_.hit(p, along);
   }
   // Near the sensor a part of the rays passes every cell: a ray begins where those of the next level are a cell apart.
   const Sensor& s = sensor.mounted->sensor;
