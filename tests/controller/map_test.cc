@@ -268,7 +268,9 @@ TEST(OccupancyMap, UnseenCellsCountInCubesWithoutAFreeCellAndBehindHits) {
     EXPECT_EQ(wrong, 0);
     EXPECT_GT(wanted, 500);
     EXPECT_GT(pockets, 100);
-    if (deep > 0) EXPECT_GT(behind_hits, 100);
+    if (deep > 0) {
+      EXPECT_GT(behind_hits, 100);
+    }
   }
 }
 
