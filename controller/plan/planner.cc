@@ -190,15 +190,17 @@ void Planner::work() noexcept {
     case PlanStage::kSearch:
       if (const Progress progress = search_.advance(space_, draws_); progress == Progress::kFound) {
         edges_ = search_.edges();
-        shortcut_ = 0;
+        shortcut_ = shortened_ = 0;
         stage_ = PlanStage::kShorten;
       } else if (progress == Progress::kNone || counts_.checks >= search_end_) {
         end_tier();
       }
       break;
     case PlanStage::kShorten:
-      if (shortcut_ < params_.shortcuts && (edges_.size() > 1 || shortcut_ <= 10)) {
-        try_shortcut(space_, params_.check_step, shortcut_++, draws_, edges_, work_);
+      // Edges that are smoothed afterwards need not be as short as they can be.
+      if (shortcut_ - (smooths() ? 0 : shortened_) < params_.shortcuts && (edges_.size() > 1 || shortcut_ <= 10)) {
+        if (try_shortcut(space_, params_.check_step, shortcut_++, !smooths(), draws_, edges_, work_))
+          shortened_ = shortcut_;
         break;
       }
       take_edges();

@@ -159,7 +159,7 @@ class Planner {
   int run_ = 0;    // of the search, in this tier
   long search_end_ = 0;
   double longest_ = 0.0;
-  int shortcut_ = 0;
+  int shortcut_ = 0, shortened_ = 0;  // tries so far, at the last that was taken
   EdgeList edges_, work_, best_;
   double best_time_ = 0.0;
   double overlap_ = 0.0;

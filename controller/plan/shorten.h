@@ -4,10 +4,12 @@
 
 namespace moma {
 
-/// Tries shortcut number `index`: it joins two times on the edges (every third try: two corners) by one edge and takes
-/// that if it is free and quicker. Every second edge of a differential base ends in its driving direction. `work` is
-/// scratch. Checks at most three edges.
-void try_shortcut(FreeSpace& space, double check_step, int index, CountedDraws& draws, EdgeList& edges,
+/// Tries change number `index` of the edges, and takes it if it is free and quicker; returns true then. A shortcut joins
+/// two times (every third try: two corners) by one edge; every second such edge of a differential base ends in its
+/// driving direction. With `pulls` every second try instead brings the corners between two others nearer to the
+/// straight way of the arm between those, in one joint (after Geraerts & Overmars, "Creating high-quality paths for
+/// motion planning", IJRR 2007) or in all, by a random part. `work` is scratch.
+bool try_shortcut(FreeSpace& space, double check_step, int index, bool pulls, CountedDraws& draws, EdgeList& edges,
                   EdgeList& work) noexcept;
 
 }  // namespace moma

@@ -101,15 +101,17 @@ TEST(Planner, FromBetweenPlatesTheHandMovesStraight) {
 }
 
 // From between the same plates and two walls, by a base that drives: base and arm also move apart. Where they only move
-// together, two thirds of the plans need up to 14026 checks.
+// together, the search of a third of the plans takes 13619 checks and more, and 7497 where they also move apart.
 TEST(Planner, InNarrowPlacesBaseAndArmMoveApart) {
   const auto model = load_model("configs/robots/frankie.yaml");
-  Planner planner(model, close_params(*model, 2000));
+  ControllerParams params = close_params(*model, 2000);
+  params.plan.shortcuts = 0;  // the search's checks count
+  Planner planner(model, params);
   std::vector<long> checks;
   for (std::uint64_t seed = 1; seed <= 15; ++seed) {
     Scene scene = between_plates(model, seed);
     add_on_both_sides(scene, "wall", {0.5, 0.02, 0.36}, {0.0, 0.16, 0.0});
-    scene.start.head<3>() << -0.6, 0.0, 0.0;
+    scene.start.head<3>() << -0.5, 0.0, 0.0;
     bool found = plan_whole(planner, scene, seed);
     EXPECT_TRUE(planner.close_goal()) << "seed " << seed;
     long sum = planner.counts().checks;
@@ -121,7 +123,7 @@ TEST(Planner, InNarrowPlacesBaseAndArmMoveApart) {
     checks.push_back(sum);
   }
   std::sort(checks.begin(), checks.end());
-  EXPECT_LT(checks[10], 12000);
+  EXPECT_LT(checks[10], 10000);
 }
 
 // A ball comes along the hand until that is close to it at its goal.
