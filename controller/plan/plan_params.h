@@ -337,7 +337,9 @@ constexpr void describe(auto& v, Of<PlanParams>) {
   v.member("roots", &T::roots, in_range({1.0, 1000.0}, "", "number of solutions from which the search starts"));
   v.member("checks", &T::checks, in_range({0.0, 1e7}, "", "checks of a search; half as many at the roomy clearance"));
   v.member("runs", &T::runs, in_range({1.0, 100.0}, "", "runs of the search"));
-  v.member("shortcuts", &T::shortcuts, in_range({0.0, 1e5}, "", "shortcuts tried in each run"));
+  v.member("shortcuts", &T::shortcuts,
+           in_range({0.0, 1e5}, "",
+                    "shortcuts tried in each run; those without a gain where no motion past corners follows"));
   v.member("direct", &T::direct,
            in_range({0.0, 1e4}, "", "tries of inverse kinematics for a direct way at a motion's start; 0: none"));
   v.member("direct_way", &T::direct_way, unless_default({.text = "the way without a corner at a motion's start"}));

@@ -21,7 +21,8 @@ std::pair<double, double> two_times(const EdgeList& edges, Ends ends, CountedDra
     return {std::min(a, b), std::max(a, b)};
   }
   const std::size_t i = draws.choice(edges.size());
-  const std::size_t j = ends == Ends::kNear ? std::min(i + 1 + draws.choice(2), edges.size() - 1) : draws.choice(edges.size());
+  const std::size_t j =
+      ends == Ends::kNear ? std::min(i + 1 + draws.choice(2), edges.size() - 1) : draws.choice(edges.size());
   double from = 0.0, to = 0.0;
   for (std::size_t l = 0; l < std::min(i, j); ++l) from += edges[l].time;
   for (std::size_t l = 0; l <= std::max(i, j); ++l) to += edges[l].time;

@@ -141,6 +141,28 @@ TEST(AheadOfAGap, RowsLetAPathThrough) {
   EXPECT_GT(least, 0.9 * tight);
 }
 
+// Braking before the sides of a gap would lead the robot off its path and take time: the path does not hit them.
+TEST(AheadOfAGap, FollowsAPathPastWhatItCouldNotStopAt) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  int follows = 0, aside = 0;
+  double time = 0.0;
+  for (const double margin : {0.03, 0.05, 0.07, 0.09}) {
+    Loop loop(model, read_params(*model, true, "moma"), before_a_gap(model, 1, margin));
+    const Lookahead& ahead = *loop.controller.lookahead();
+    while (loop.o.time < 20.0 && !loop.there()) {
+      loop.step();
+      if (ahead.state().brief.mode != PlanMode::kFollow) continue;
+      ++follows;
+      aside += (loop.result.command - ahead.velocities()).lpNorm<Eigen::Infinity>() > 0.1 ? 1 : 0;
+    }
+    EXPECT_LT(loop.o.time, 20.0) << margin;
+    time += loop.o.time;
+  }
+  std::printf("%d of %d steps along paths are not as these ask; %.2f s\n", aside, follows, time);
+  EXPECT_GT(follows, 300);
+  EXPECT_LT(aside, 0.12 * follows);
+}
+
 // While a choice is worked out the robot does what the policy alone would do, bit for bit, and does not stand.
 TEST_P(Ahead, GoesOnWhileItChooses) {
   if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";

@@ -16,7 +16,8 @@ constexpr double kClearance = 0.02, kCheckStep = 0.04;
 // A Panda turns about a column in front of it, with its arm folded and wrist and forearm turned on the way for nothing.
 class Shorten : public testing::Test {
  protected:
-  Shorten() : model(load_model("configs/robots/panda.yaml")), limits(*model, plan_params(*model)), space(model, limits) {
+  Shorten()
+      : model(load_model("configs/robots/panda.yaml")), limits(*model, plan_params(*model)), space(model, limits) {
     scene.shapes = {{"column", make_box(0.1, 0.1, 1.2)}};
     scene.states.resize(1);
     scene.states[0].X_WO.translation() << 0.5, 0.0, 0.6;
