@@ -196,11 +196,10 @@ void Planner::work() noexcept {
         end_tier();
       }
       break;
-    case PlanStage::kShorten:
-      // Edges that are smoothed afterwards need not be as short as they can be.
-      if (shortcut_ - (smooths() ? 0 : shortened_) < params_.shortcuts && (edges_.size() > 1 || shortcut_ <= 10)) {
-        if (try_shortcut(space_, params_.check_step, shortcut_++, !smooths(), draws_, edges_, work_))
-          shortened_ = shortcut_;
+    case PlanStage::kShorten: {
+      const bool pulls = !smooths();  // edges that are smoothed afterwards need not be as short as they can be
+      if (shortcut_ - (pulls ? shortened_ : 0) < params_.shortcuts && (edges_.size() > 1 || shortcut_ <= 10)) {
+        if (try_shortcut(space_, params_.check_step, shortcut_++, pulls, draws_, edges_, work_)) shortened_ = shortcut_;
         break;
       }
       take_edges();
@@ -210,6 +209,7 @@ void Planner::work() noexcept {
       else
         begin_run();
       break;
+    }
     case PlanStage::kLay:
       lay();
       break;
