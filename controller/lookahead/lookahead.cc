@@ -91,6 +91,12 @@ KeptDistance Lookahead::keeps() const noexcept {
   return {.most = std::max(path.clearance, params_.tight())};
 }
 
+bool Lookahead::passes() const noexcept {
+  const Path& path = state_.path;
+  return std::holds_alternative<Following>(state_.doing) &&
+         (path.close() || state_.brief.lag < (1.0 - params_.follow.kept) * path.clearance);
+}
+
 std::int64_t Lookahead::periods(double seconds) const noexcept { return std::llround(seconds / dt_); }
 
 template <class Now>

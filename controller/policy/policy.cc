@@ -52,7 +52,8 @@ class PathPolicy final : public Policy {
     QpTask asked{.task = now.servo,
                  .pull = QpTask::Pull{&velocities, weight, weight},
                  .bounds = &ahead.bounds(),
-                 .keeps = ahead.keeps()};
+                 .keeps = ahead.keeps(),
+                 .passes = ahead.passes()};
     asked.task.nu.setZero();
     const Matrix6X& J = now.kinematics.J_WE_W();
     for (Eigen::Index i = 0; i < velocities.size(); ++i) asked.task.nu += velocities[i] * J.col(i);

@@ -118,7 +118,7 @@ Posed QpPoser::pose(const QpTask& asked, const Situation& now) noexcept {
   const double arm = asked.keeps.most < params_.collision.object.stop ? on_way : stop_;
   collision_.keep_from_resting({stop_, arm, on_way}, on_path ? params_.plan.follow.rate : 0.0);
   // Rows keep less than a path does; to brake before what it passes would lead off it.
-  collision_.allow(on_path ? asked.pull->velocities : nullptr);
+  collision_.allow(asked.passes ? asked.pull->velocities : nullptr);
   add_tracking_rows(now.kinematics.J_WE_W(), asked.task.nu, params_.tracking_band, params_.slack.enabled, problem_);
   if (!asked.task.free.isZero(0.0)) free_directions(now.kinematics, asked.task, problem_);
   collision_.add(now.kinematics, now.o.objects, now.spreads, problem_);

@@ -26,6 +26,7 @@ struct QpTask {
   const VelocityBounds* bounds = nullptr;  ///< null: the builder's own
   std::optional<Vector3> base = {};        ///< velocity to which the base is held, clipped into its bounds
   KeptDistance keeps = {};  ///< distance to objects at rest that rows allow a path; infinite: the rows' own [m]
+  bool passes = false;      ///< rows may let the robot approach what rests as fast as `pull`'s velocities
   bool evades = false;      ///< `base` starts an evasion: rows about the base's motion are left out
 };
 

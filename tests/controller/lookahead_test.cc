@@ -163,6 +163,24 @@ TEST(AheadOfAGap, FollowsAPathPastWhatItCouldNotStopAt) {
   EXPECT_LT(aside, 0.12 * follows);
 }
 
+// A robot that was pushed off its path may hit what the path passes: its rows brake again.
+TEST(AheadOfAGap, PassesNothingBesideItsPath) {
+  const auto model = load_model("configs/robots/frankie.yaml");
+  Loop loop(model, read_params(*model, true, "moma"), before_a_gap(model, 1, 0.09));
+  const Lookahead& ahead = *loop.controller.lookahead();
+  EXPECT_FALSE(ahead.passes()) << "without a path";
+  while (loop.o.time < 20.0 && !(ahead.state().brief.mode == PlanMode::kFollow && loop.o.base.x() > 0.3)) loop.step();
+  ASSERT_LT(loop.o.time, 20.0);
+  ASSERT_FALSE(ahead.state().path.close());
+  const double spare = (1.0 - 0.45) * ahead.state().path.clearance;
+  EXPECT_LT(ahead.state().brief.lag, spare);
+  EXPECT_TRUE(ahead.passes());
+  loop.o.base.y() += 0.1;
+  loop.step();
+  EXPECT_GT(ahead.state().brief.lag, spare);
+  EXPECT_FALSE(ahead.passes());
+}
+
 // While a choice is worked out the robot does what the policy alone would do, bit for bit, and does not stand.
 TEST_P(Ahead, GoesOnWhileItChooses) {
   if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";
