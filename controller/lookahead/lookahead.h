@@ -48,8 +48,8 @@ class Lookahead {
   /// Returns the distance to objects at rest that rows keep while the robot follows a path close to objects at its
   /// goal.
   KeptDistance keeps() const noexcept;
-  /// True if the robot is so near to its path that it passes what the path passes: within the part of the path's
-  /// clearance that rows do not keep. Paths to a goal close to an object have no such room.
+  /// True if the robot is so near to its path that it passes what the path passes: no farther than the part of the
+  /// path's clearance that rows do not keep. A path to a goal close to an object has no such room: always true there.
   bool passes() const noexcept;
   /// True if this step clears the policy's memory of detours first.
   bool begins_anew() const noexcept { return anew_; }
