@@ -540,6 +540,7 @@ void Lookahead::choose() noexcept {
     if (choice_.is_direct()) state_.brief.reason = reason;
   } else {
     begin_path(reason);
+    state_.next = state_.steps;  // the first path that a robot at rest has found is rarely a quick one
   }
 }
 

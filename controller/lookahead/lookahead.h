@@ -26,11 +26,11 @@ namespace moma {
 /// none is free, it predicts the policy, and chooses at rest if that fails. The look-ahead predicts a policy that
 /// drives every `period` seconds. It begins a choice at the start, and if the policy stagnates or its prediction fails;
 /// else it looks for a direct way alone. A robot on a path searches one from where it will be in a moment, or a quicker
-/// path: every `period` seconds on a planned path, and at once if its goal jumps. If it finds none, the policy takes
-/// over once its prediction is quicker than the rest of the path. If the path is blocked or the robot makes no
-/// progress, the look-ahead chooses again. The policy pursues a goal in motion as long as its prediction arrives or
-/// keeps pursuing. Otherwise the robot follows a path to the goal's expected place until the policy's prediction
-/// arrives.
+/// path: every `period` seconds on a planned path, at once if its goal jumps or as it sets out on a path from rest. If
+/// it finds none, the policy takes over once its prediction is quicker than the rest of the path. If the path is
+/// blocked or the robot makes no progress, the look-ahead chooses again. The policy pursues a goal in motion as long as
+/// its prediction arrives or keeps pursuing. Otherwise the robot follows a path to the goal's expected place until the
+/// policy's prediction arrives.
 ///
 /// One per controller. Only construction and reset() allocate.
 class Lookahead {

@@ -285,7 +285,7 @@ struct PlanParams {
   double touch = 0.005;
   double roomy = 0.08, clearance = 0.035, self = 0.015;
   double joint_margin = 0.12;
-  double speed = 0.9, acceleration = 0.85;
+  double speed = 0.95, acceleration = 0.85;
   double check_step = 0.08;
   double overlap = 0.35;
   double settle = 0.3;

@@ -450,8 +450,7 @@ void Planner::lay() noexcept {
 
 // The path that stops at each corner counts until there is a quicker one.
 void Planner::begin_smooth() noexcept {
-  stage_ = PlanStage::kFound;
-  if (!smooths()) return;
+  if (!smooths()) return finish();
   corners_.clear();
   corners_.push_back(best_[0].a);
   for (const Edge& edge : best_.all()) corners_.push_back(edge.b);
@@ -461,14 +460,19 @@ void Planner::begin_smooth() noexcept {
 }
 
 void Planner::end_smooth() noexcept {
-  stage_ = PlanStage::kFound;
   if (smooth_.found()) {
     path_ = smooth_.path();
     label_path();
   } else if (routes_ > 0) {
     stage_ = PlanStage::kRoute;
     if (routes_ == params_.smooth.routes) begin_runs();
+    return;
   }
+  finish();
+}
+
+void Planner::finish() noexcept {
+  stage_ = path_.duration < within_ + braking_.time ? PlanStage::kFound : PlanStage::kFailed;
 }
 
 void Planner::label_path() noexcept {

@@ -126,6 +126,8 @@ class Planner {
   void begin_route() noexcept;
   void begin_smooth() noexcept;
   void end_smooth() noexcept;
+  /// The path counts if it takes less than it may.
+  void finish() noexcept;
 
   PlanParams params_;
   MotionLimits limits_;

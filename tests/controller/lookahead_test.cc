@@ -447,7 +447,7 @@ TEST_P(Ahead, SetsOutAlongADirectWay) {
     params.plan.direct = 0;
     without += Loop(model, params, scene).run(20.0, least);
   }
-  EXPECT_LT(with, 0.97 * without);
+  EXPECT_LT(with, 0.98 * without);
 }
 
 // A base whose drive follows with half of its accelerations: ways are planned for that.
@@ -476,12 +476,14 @@ TEST_P(Ahead, APolicyThatFailsDoesNotSetOut) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Loop loop(model, read_params(*model, true), behind_a_wall(model, seed));
     const PlanBrief& brief = loop.controller.lookahead()->state().brief;
-    int standing = 0;
-    for (loop.step(); loop.result.command.isZero(0.0) && standing < 100; loop.step()) ++standing;
+    int standing = 0, choices = 0;
+    for (loop.step(); loop.result.command.isZero(0.0) && standing < 100; loop.step(), ++standing)
+      choices = brief.attempts;
     EXPECT_LT(standing, 100) << "seed " << seed;
     EXPECT_EQ(brief.mode, PlanMode::kFollow) << "seed " << seed;
     EXPECT_EQ(brief.reason, PlanReason::kQuicker) << "seed " << seed;
-    EXPECT_EQ(brief.attempts, 1) << "seed " << seed;
+    EXPECT_EQ(choices, 1) << "seed " << seed;
+    EXPECT_EQ(brief.attempts, 2) << "the next choice begins as it sets out, seed " << seed;
   }
 }
 
