@@ -97,7 +97,8 @@ void ControllerCore::step(const Observation& observation, StepResult& result) no
     if (map_.waits()) return brake(observation, result);
   }
   const Observation& seen = predictor_.on() ? predictor_.predict(observation) : observation;
-  const Situation now = assessment_.assess(seen, predictor_.spreads(), {predictor_.hold(), predictor_.drive()}, clock_);
+  const Situation now = assessment_.assess(seen, predictor_.spreads(),
+                                           {predictor_.hold(), predictor_.missed(), predictor_.drive()}, clock_);
   const Demand demand = policy_->decide(now);
   if (const auto* direct = std::get_if<DirectCommand>(&demand)) {
     answer_.task = now.servo;

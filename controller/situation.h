@@ -13,9 +13,10 @@
 
 namespace moma {
 
-/// Execution of this step's command, as identified from motion (Predictor).
+/// Execution of commands, as identified from motion and time stamps (Predictor).
 struct Execution {
   double hold = 1.0;       ///< number of control periods that the command may have to act, at least 1
+  int missed = 0;          ///< number of control periods that were missed since the last step
   BaseRamp::Shares drive;  ///< shares of its accelerations with which the base's drive follows
 };
 

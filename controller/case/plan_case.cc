@@ -52,6 +52,7 @@ constexpr void describe(auto& v, Of<PlanState>) {
            unless_default(in_range(kSteps, "", "step of the next search for a path on from the goal")));
   v.member("stagnations", &T::stagnations, in_range({0, 1e9}, "", "up to which nothing is news"));
   v.member("fresh", &T::clears_detours, {.text = "whether the direct policy's memory of detours is cleared"});
+  v.member("rate", &T::rate, unless_default(share("rate of the path's clock in the step before")));
   v.member("known", &T::known, in_range({0, 1e9}, "", "objects that were seen in the step before"));
   v.member("missed", &T::missed, unless_default({.text = "whether the goal was passed and not reached"}));
   v.member("beside", &T::steps_beside, unless_default(in_range({0, 1e9}, "", "steps beside the goal")));
@@ -64,8 +65,8 @@ constexpr void describe(auto& v, Of<PlanState>) {
 static_assert(is_complete<GoingOn>() && is_complete<Following>() && is_complete<Stopping>() && is_complete<Choosing>());
 // This compiles as long as these are all members: read_plan_state() reads those that the description leaves out.
 [[maybe_unused]] static void all_members_of(const PlanState& state) {
-  [[maybe_unused]] const auto& [brief, doing, steps, next, next_onward, stagnations, clears_detours, known, has_goal,
-                                X_WG, path, missed, steps_beside, left_last_part, held_off] = state;
+  [[maybe_unused]] const auto& [brief, doing, steps, next, next_onward, stagnations, clears_detours, rate, known,
+                                has_goal, X_WG, path, missed, steps_beside, left_last_part, held_off] = state;
 }
 
 constexpr void describe(auto& v, Of<Trapezoid>) {

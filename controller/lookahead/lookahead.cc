@@ -180,7 +180,8 @@ bool Lookahead::begins_at(const Observation& o) const noexcept {
   return path_lag(planner().limits(), params_, begin, o) <= state_.path.clearance;
 }
 
-void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3& R_WG, double drive) noexcept {
+void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3& R_WG, double drive,
+                       int missed) noexcept {
   choice_.set_goal_axes(R_WG);
   choice_.set_drive(drive);
   if (keeps_upright_) choice_.keep_upright(o.upright);
@@ -188,6 +189,10 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   const double off = std::max(error.tail<3>().norm() / limits.position, error.head<3>().norm() / limits.orientation);
   arrived_ = off < 1.0;
   const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing;
+  // The robot went on in periods that were missed, on a path at its rate.
+  state_.steps += missed;
+  if (doing<Following>())
+    state_.brief.clock = std::min(state_.brief.clock + missed * state_.rate * dt_, state_.path.duration);
   if (state_.has_goal && jumped(params_.decisions, state_.X_WG, o.goal.X_WG, 2.0 * dt_ * o.goal.V_WG_W)) {
     Following* on_path = doing<Following>();
     Path& path = state_.path;
@@ -243,7 +248,10 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
     begin(Choosing{state_.steps, now->direct_time}, brief.reason);
   guides_ = brief.mode != PlanMode::kDirect;
   wanted_.setZero();
-  if (Following* now = doing<Following>()) follow(o, *now);
+  if (Following* now = doing<Following>())
+    follow(o, *now);
+  else
+    state_.rate = 0.0;
   anew_ = std::exchange(state_.clears_detours, false);
   ++state_.steps;
 }
@@ -260,7 +268,7 @@ void Lookahead::follow(const Observation& o, Following& following) noexcept {
   const FollowStep step =
       follow_path(planner().limits(), params_, state_.path, brief.clock, dt_, most_rate, shift_, o, wanted_);
   brief.lag = step.lag;
-  rate_ = step.rate;
+  state_.rate = step.rate;
   brief.clock = std::min(brief.clock + step.rate * dt_, state_.path.duration);
   WholeConfiguration target;
   state_.path.at(brief.clock, target);
@@ -414,7 +422,7 @@ void Lookahead::look_ahead_on_path(const Observation& o, double ahead) noexcept 
   MotionState later;
   state_.path.at(way_from_, later.c);
   state_.path.velocity(way_from_, 0.5 * dt_, later.v);
-  later.v *= rate_;
+  later.v *= state_.rate;
   copy_observation(o, later_);
   choice_.put(shift_.of(later), later_);
 }
@@ -426,7 +434,7 @@ bool Lookahead::work_way(const Observation& o, double rest, const Following& fol
   PlanBrief& brief = state_.brief;
   const bool former = following.former;
   if (job_ != Job::kSetOut) {
-    const double ahead = rate_ * (former ? params_.decisions.way_ahead : goes_on());
+    const double ahead = state_.rate * (former ? params_.decisions.way_ahead : goes_on());
     if (params_.direct == 0 || ahead <= 0.0 || ahead + params_.decisions.way_gain >= rest) return false;
     look_ahead_on_path(o, ahead);
     const double left = former ? -1.0 : rest - ahead - params_.decisions.way_gain;

@@ -40,8 +40,9 @@ class Lookahead {
   void reset(std::span<const ObjectShape> objects);
 
   /// Begins a step. `o`: the observation on which the controller acts; `error`: [e_R; e_p] of E; `R_WG`: axes of the
-  /// goal, if it has free directions; `drive`: share of the base's accelerations for which ways and paths are planned.
-  void decide(const Observation& o, const Vector6& error, const Matrix3& R_WG, double drive) noexcept;
+  /// goal, if it has free directions; `drive`: share of the base's accelerations for which ways and paths are planned;
+  /// `missed`: control periods missed since the last step, in which the robot went on.
+  void decide(const Observation& o, const Vector6& error, const Matrix3& R_WG, double drive, int missed) noexcept;
   /// True if velocities() replace the policy's task in this step. They are those of a path, or zero.
   bool guides() const noexcept { return guides_; }
   const VectorX& velocities() const noexcept { return wanted_; }
@@ -127,7 +128,6 @@ class Lookahead {
   bool arrived_ = false;  // E is within a share of its goal's tolerances
   VectorX wanted_;
   PlanarShift shift_;
-  double rate_ = 0.0;  // of the path's clock in this step
 
   Job job_ = Job::kNone;
   long debt_ = 0;  // checks of the last step beyond its budget

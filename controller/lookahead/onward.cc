@@ -52,7 +52,7 @@ bool Lookahead::append_onward(long& budget) noexcept {
 // Begins to look for a way that passes the goal, from where the path has the robot in a moment.
 bool Lookahead::begin_pass(const Observation& o) noexcept {
   const Path& path = state_.path;
-  const double ahead = rate_ * params_.decisions.pass_ahead;
+  const double ahead = state_.rate * params_.decisions.pass_ahead;
   if (params_.direct_way.pass_tries == 0 || ahead <= 0.0 || state_.brief.clock + ahead >= path.pass) return false;
   look_ahead_on_path(o, ahead);
   WholeConfiguration pass, last;

@@ -57,6 +57,7 @@ struct PlanState {
   std::int64_t next_onward = 0;  ///< step of the next search for a path on from a goal that is passed
   int stagnations = 0;           ///< stagnations of the policy that are dealt with
   bool clears_detours = false;   ///< the next step clears the policy's memory of detours
+  double rate = 0.0;             ///< of the path's clock in the step before; 0 without a path
   int known = 0;                 ///< number of visible objects in the step before
   bool has_goal = false;
   Isometry X_WG = Isometry::Identity();  ///< goal in the step before

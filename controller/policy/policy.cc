@@ -39,7 +39,7 @@ class PathPolicy final : public Policy {
     enter(now.clock, StepPart::kAhead);
     Lookahead& ahead = *parts_.lookahead;
     const BaseRamp::Shares& drive = now.execution.drive;
-    ahead.decide(now.o, now.servo.error, now.servo.R_WG, std::min(drive.speeding, drive.slowing));
+    ahead.decide(now.o, now.servo.error, now.servo.R_WG, std::min(drive.speeding, drive.slowing), now.execution.missed);
     if (ahead.begins_anew()) parts_.escape.reset();
     begun_with_ = parts_.escape.state();
     if (!ahead.guides()) return servo_.aim(now, near);

@@ -14,6 +14,7 @@ namespace moma {
 struct PredictionMemory {
   double time = -1.0;  ///< of the last observation [s]; negative: none
   double hold = 1.0;   ///< periods that a command may have to act: 1, more after recent missed steps
+  double kept = 1.0;   ///< share of recent control periods that were not missed
   // One for each control period, the latest first.
   std::vector<VectorX> computed;  ///< commands as the steps computed them
   std::vector<VectorX> sent;      ///< commands as sent, to base or joints later than computed
@@ -42,6 +43,7 @@ constexpr void describe(auto& v, Of<PredictionMemory>) {
   v.member(
       "hold", &M::hold,
       unless_default(positive("", "periods that a command may have to act for, because steps were missed of late")));
+  v.member("kept", &M::kept, unless_default(positive_share("share of recent control periods that were not missed")));
   v.member("computed", &M::computed, quantity("rad/s or m/s", "commands of past periods, the latest first"));
   v.member("sent", &M::sent, quantity("rad/s or m/s", "the same as they were sent to the drives"));
   v.member("base_velocity", &M::base_velocity, quantity("m/s or rad/s", "the base's, by its ramp"));

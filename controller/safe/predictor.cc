@@ -134,7 +134,9 @@ void Predictor::synchronise() noexcept {
   if (base_dof_ == 0) hold_base_ = 0;
 }
 
-BaseRamp::Shares Predictor::drive() const noexcept { return {kDrives[at(memory_.drive)].speeding, memory_.slowing}; }
+BaseRamp::Shares Predictor::drive() const noexcept {
+  return {memory_.kept * kDrives[at(memory_.drive)].speeding, memory_.kept * memory_.slowing};
+}
 
 const Vector3& Predictor::driven(int drive, int age) const noexcept { return memory_.driven[at(drive * tried_ + age)]; }
 
@@ -287,7 +289,8 @@ void Predictor::miss_steps(double time) noexcept {
   const double since = std::exchange(m.time, time);
   const double most = static_cast<double>(periods_);  // after a long gap only the command sent last is remembered
   const double missed = since < 0.0 ? 0.0 : std::clamp(std::round((time - since) / dt_) - 1.0, 0.0, most);
-  for (int k = 0; k < missed; ++k) {
+  missed_ = static_cast<int>(missed);
+  for (int k = 0; k < missed_; ++k) {
     skip();
     repeat(m.computed);
     repeat(m.sent);
@@ -296,6 +299,10 @@ void Predictor::miss_steps(double time) noexcept {
   if (missed > 0.0) m.time = time;  // skip() advanced it
   if (missed >= most) m.begun = false;
   m.hold = std::max(1.0 + missed, 1.0 + (m.hold - 1.0) * std::exp(-dt_ / params_.estimation.missed));
+  // A mean over the time since the start, later over the last seconds. One pause does not decide.
+  constexpr double kLeastSpan = 0.2, kMostWeight = 0.2;
+  const double span = params_.estimation.missed * std::clamp(time / params_.estimation.missed, kLeastSpan, 1.0);
+  m.kept += std::min(kMostWeight, (1.0 + missed) * dt_ / span) * (1.0 / (1.0 + missed) - m.kept);
 }
 
 void Predictor::predict_object(const ObjectState& seen, std::size_t i) noexcept {

@@ -83,9 +83,11 @@ class Predictor {
   double lateness() const noexcept { return late_ * dt_; }
   /// Number of periods that this step's command may have to act; at least 1.
   double hold() const noexcept { return memory_.hold; }
+  /// Number of periods that were missed before the last predict().
+  int missed() const noexcept { return missed_; }
   /// Returns the estimated shares of the base's accelerations with which its drive follows. The share of the
   /// deceleration is the least estimate since reset(), of drives and of slip: a base that slips during hard braking
-  /// does not slip during gentle braking.
+  /// does not slip during gentle braking. A command changes in the periods that are not missed alone.
   BaseRamp::Shares drive() const noexcept;
   /// Time from a command to the measurement of its velocity, configured or identified [s].
   double base_round_trip() const noexcept { return base_dof_ > 0 ? memory_.base_trip.periods * dt_ : 0.0; }
@@ -132,6 +134,7 @@ class Predictor {
   int base_age_, joint_age_, object_age_, goal_age_;  // S, in periods
   int tried_;                                         // round trips of 0 .. tried_ - 1 periods
   int periods_;                                       // number of remembered periods
+  int missed_ = 0;                                    // periods before the present one
   int late_ = 0, hold_base_ = 0, hold_joints_ = 0;    // L and H
   PredictionMemory memory_;
   std::vector<PlaceSpread> spreads_;

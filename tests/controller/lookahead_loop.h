@@ -36,6 +36,10 @@ class Loop {
   }
   void step() {
     controller.step(o, result);
+    miss();
+  }
+  /// A control period that the controller misses: the last command continues.
+  void miss() {
     VectorX v = result.command;
     for (int i = 0; i < model_->base_dof(); ++i) {
       const double most = kPeriod * model_->base.max_acceleration[i + 1 == model_->base_dof() ? 1 : 0];

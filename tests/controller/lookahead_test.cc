@@ -450,6 +450,27 @@ TEST_P(Ahead, SetsOutAlongADirectWay) {
   EXPECT_LT(with, 0.98 * without);
 }
 
+// The robot goes on in periods that its controller misses, and the path's clock with it.
+TEST_P(Ahead, TimePassesOnAPathInMissedPeriods) {
+  const ControllerParams params = read_params(*model, true, "moma");
+  double all = 0.0, missed = 0.0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Scene scene = make_scene(model, seed, 0);
+    double least = 0.0;
+    all += Loop(model, params, scene).run(20.0, least);
+    Loop loop(model, params, scene);
+    for (int k = 1; loop.o.time < 20.0 && !loop.there(); ++k) {
+      if (k % 3 == 0 && loop.result.plan.mode == PlanMode::kFollow)
+        loop.miss();
+      else
+        loop.step();
+    }
+    missed += loop.o.time;
+  }
+  // These ways were timed before a period was missed; a differential base overruns their ends.
+  EXPECT_LT(missed, (model->base_dof() == 2 ? 1.5 : 1.15) * all);
+}
+
 // A base whose drive follows with half of its accelerations: ways are planned for that.
 TEST_P(Ahead, PlansForTheDriveThatItFound) {
   if (!model->mobile()) GTEST_SKIP() << "only for a mobile robot";

@@ -589,9 +589,12 @@ TEST(Predictor, AllowsForStepsThatWereMissed) {
       EXPECT_EQ(predictor.base_round_trip(), 4 * kPeriod);
       EXPECT_GE(predictor.hold(), 2.9);
       EXPECT_LE(predictor.hold(), 3.0);
+      const double forgotten = 1.0 - std::exp(-150 * kPeriod / params.estimation.missed);
+      EXPECT_NEAR(predictor.drive().speeding, 1.0 - 0.4 * forgotten, 0.02);
     } else {
       EXPECT_GT(worst, 0.005) << "the test can fail";
       EXPECT_EQ(predictor.hold(), 1.0);
+      EXPECT_EQ(predictor.memory().kept, 1.0);
     }
   }
 }
