@@ -191,8 +191,7 @@ void Lookahead::decide(const Observation& o, const Vector6& error, const Matrix3
   const bool stands = o.qdot.lpNorm<Eigen::Infinity>() <= params_.decisions.standing;
   // The robot went on in periods that were missed, on a path at its rate.
   state_.steps += missed;
-  if (doing<Following>())
-    state_.brief.clock = std::min(state_.brief.clock + missed * state_.rate * dt_, state_.path.duration);
+  if (doing<Following>()) advance_clock(missed * dt_);
   if (state_.has_goal && jumped(params_.decisions, state_.X_WG, o.goal.X_WG, 2.0 * dt_ * o.goal.V_WG_W)) {
     Following* on_path = doing<Following>();
     Path& path = state_.path;
@@ -269,7 +268,7 @@ void Lookahead::follow(const Observation& o, Following& following) noexcept {
       follow_path(planner().limits(), params_, state_.path, brief.clock, dt_, most_rate, shift_, o, wanted_);
   brief.lag = step.lag;
   state_.rate = step.rate;
-  brief.clock = std::min(brief.clock + step.rate * dt_, state_.path.duration);
+  advance_clock(dt_);
   WholeConfiguration target;
   state_.path.at(brief.clock, target);
   brief.target = shift_.of(target).head<3>();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -89,6 +90,10 @@ class Lookahead {
   void place_end() noexcept;
   bool begins_at(const Observation& o) const noexcept;
   void follow(const Observation& o, Following& following) noexcept;
+  /// Moves the path's clock on by `time` seconds at its rate, at most to the path's end.
+  void advance_clock(double time) noexcept {
+    state_.brief.clock = std::min(state_.brief.clock + state_.rate * time, state_.path.duration);
+  }
   void work_set_out(const Observation& o, const EscapeState& escape, long& budget) noexcept;
   void look_ahead_on_path(const Observation& o, double ahead) noexcept;
   bool work_way(const Observation& o, double rest, const Following& following, long& budget) noexcept;

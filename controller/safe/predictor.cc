@@ -301,7 +301,7 @@ void Predictor::miss_steps(double time) noexcept {
   m.hold = std::max(1.0 + missed, 1.0 + (m.hold - 1.0) * std::exp(-dt_ / params_.estimation.missed));
   // A mean over the time since the start, later over the last seconds. One pause does not decide.
   constexpr double kLeastSpan = 0.2, kMostWeight = 0.2;
-  const double span = params_.estimation.missed * std::clamp(time / params_.estimation.missed, kLeastSpan, 1.0);
+  const double span = std::clamp(time, kLeastSpan * params_.estimation.missed, params_.estimation.missed);
   m.kept += std::min(kMostWeight, (1.0 + missed) * dt_ / span) * (1.0 / (1.0 + missed) - m.kept);
 }
 

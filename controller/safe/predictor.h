@@ -87,7 +87,8 @@ class Predictor {
   int missed() const noexcept { return missed_; }
   /// Returns the estimated shares of the base's accelerations with which its drive follows. The share of the
   /// deceleration is the least estimate since reset(), of drives and of slip: a base that slips during hard braking
-  /// does not slip during gentle braking. A command changes in the periods that are not missed alone.
+  /// does not slip during gentle braking. Both count the share of recent periods that were not missed, in which alone a
+  /// command changes.
   BaseRamp::Shares drive() const noexcept;
   /// Time from a command to the measurement of its velocity, configured or identified [s].
   double base_round_trip() const noexcept { return base_dof_ > 0 ? memory_.base_trip.periods * dt_ : 0.0; }

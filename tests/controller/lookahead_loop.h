@@ -36,10 +36,10 @@ class Loop {
   }
   void step() {
     controller.step(o, result);
-    miss();
+    move();
   }
-  /// A control period that the controller misses: the last command continues.
-  void miss() {
+  /// Moves the robot by the last command for a control period; alone, one that the controller misses.
+  void move() {
     VectorX v = result.command;
     for (int i = 0; i < model_->base_dof(); ++i) {
       const double most = kPeriod * model_->base.max_acceleration[i + 1 == model_->base_dof() ? 1 : 0];

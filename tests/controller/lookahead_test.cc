@@ -461,7 +461,7 @@ TEST_P(Ahead, TimePassesOnAPathInMissedPeriods) {
     Loop loop(model, params, scene);
     for (int k = 1; loop.o.time < 20.0 && !loop.there(); ++k) {
       if (k % 3 == 0 && loop.result.plan.mode == PlanMode::kFollow)
-        loop.miss();
+        loop.move();
       else
         loop.step();
     }

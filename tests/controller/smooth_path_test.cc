@@ -122,7 +122,8 @@ TEST_P(Smooth, IsQuickerThanEdgesAndKeepsTheLimits) {
     path.at(path.duration, c);
     kinematics.update(c.head<3>(), c.tail(model->num_joints()));
     EXPECT_LT((kinematics.X_WE().translation() - X_WE.translation()).norm(), 1e-3) << "seed " << seed;
-    // What is spread over the whole time may exceed the path's share of the robot's limits, and never the limits.
+    // The part of a motion that is spread over the whole time may exceed the path's share of the robot's limits, never
+    // the limits.
     const double fast = 1.0 / params.plan.speed, quick = 1.0 / params.plan.acceleration;
     const Extremes most = extremes(path);
     for (int i = 0; i < limits.num_joints(); ++i) {
