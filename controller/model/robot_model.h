@@ -59,8 +59,8 @@ struct ControlledJoint {
   double upper = std::numeric_limits<double>::infinity();
   double velocity = 0.0;  ///< largest speed, > 0 [rad/s] or [m/s]
   double effort = 0.0;    ///< [Nm] or [N]; 0 if unknown
-  /// Greatest acceleration and jerk by the maker; infinite if unknown [rad/s^2, rad/s^3] or [m/s^2, m/s^3]. Bounds on
-  /// the time to a goal use them; a controller's limits are its own gains.
+  /// Greatest acceleration and jerk, by the maker or as the motors hold them; infinite if unknown [rad/s^2, rad/s^3] or
+  /// [m/s^2, m/s^3]. Bounds on the time to a goal use them; a controller's limits are its own gains.
   double acceleration = std::numeric_limits<double>::infinity();
   double jerk = std::numeric_limits<double>::infinity();
 };

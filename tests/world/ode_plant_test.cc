@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "tests/world/support.h"
+#include "world/draws.h"
 #include "world/plant/ode_library.h"
 #include "world/plant/rigid_bodies.h"
 
@@ -88,6 +89,34 @@ TEST(OdePlant, ArmFollowsTheIntegratedCommand) {
     EXPECT_LT(worst, 1e-5) << name;
     EXPECT_LT(worst_speed, 1e-4) << name;
     EXPECT_GT(energy, 1.0) << name << ": moving against gravity takes work";
+  }
+}
+
+TEST(OdePlant, MotorsOfTheUr5HoldItsAccelerations) {
+  // The arm stretched out, where motors have least to spare, and near there; all joints speed up at their limits at
+  // once, those that lift it upwards.
+  Draws draws(12, 0, Stream::kStart);
+  for (const char* name : {"ur5", "lift_ur5"}) {
+    const auto model = robot(name);
+    const int n = model->num_joints();
+    for (int trial = 0; trial < 20; ++trial) {
+      World world = empty_world(*model);
+      world.start.q.tail(6) << 0, -0.63, 0.36, -0.99, 0.34, 0.18;
+      VectorX change = VectorX::Zero(model->num_velocities());
+      for (int j = 0; j < 6; ++j) {
+        world.start.q[n - 6 + j] += draws.uniform(-0.2, 0.2);
+        const bool lifts = j >= 1 && j <= 3;
+        change[change.size() - 6 + j] = (lifts || draws.uniform(-1.0, 1.0) < 0.0 ? -0.02 : 0.02) *
+                                        model->joints[static_cast<std::size_t>(n - 6 + j)].acceleration;
+      }
+      const auto plant = make_plant(model, world, kDynamicMode);
+      PlantReport report;
+      for (int k = 1; k <= 8; ++k) {
+        plant->advance(k * change, 0.02, report);
+        EXPECT_LT((plant->state().qdot - k * change).lpNorm<Eigen::Infinity>(), 1e-3)
+            << name << ", posture " << world.start.q.transpose() << ", after " << k << " periods";
+      }
+    }
   }
 }
 
