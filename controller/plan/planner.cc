@@ -99,10 +99,8 @@ void Planner::begin(const WholeConfiguration& start, const Isometry& X_WG, std::
   // A start that has moved away from an object may keep more than the last plan.
   goes_on_ =
       same && tier_ >= first && tier_ <= last_tier() && tiers_[static_cast<std::size_t>(tier_)].follows_from(before);
-  if (!goes_on_) {
-    goals_.clear();
-    tries_ = 0;
-  }
+  if (!goes_on_) goals_.clear();
+  if (goals_.empty()) tries_ = 0;  // objects may be measured a little elsewhere now
   for (GoalConfiguration& goal : goals_) {
     const double time = edge_time(limits_, start_, goal.c);
     goal.cost += time - goal.time;
