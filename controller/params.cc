@@ -174,6 +174,16 @@ class Checker {
   std::vector<ParamsIssue> issues_;
 };
 
+// Rows that know braking begin where a base at its full speed can still stop. Up to the configured distance they are as
+// configured.
+void widen(DamperParams& rows, const BrakingParams& braking, const MobileBase& base) {
+  const double v = base.max_linear;
+  const double range = rows.stop + v * (braking.reaction + 0.5 * v / base.max_acceleration.x());
+  if (!(range > rows.influence)) return;
+  rows.gain *= (range - rows.stop) / (rows.influence - rows.stop);
+  rows.influence = range;
+}
+
 }  // namespace
 
 ControllerParams resolved(ControllerParams p, const RobotModel& model) {
@@ -193,6 +203,9 @@ ControllerParams resolved(ControllerParams p, const RobotModel& model) {
     const double most = model.joint(i).acceleration;
     if (std::isfinite(most)) p.acceleration_limit[model.base_dof() + i] = p.joint_share * most;
   }
+  const CollisionParams& collision = p.collision;
+  if (model.base_dof() > 0 && collision.braking.enabled && collision.object.enabled)
+    widen(p.collision.object, collision.braking, model.base);
   p.joint_limits.margin.value = resolve_margin(model, p.joint_limits.margin);
   if (p.posture.target.ready) p.posture.target.value = model.ready;
   return p;

@@ -208,7 +208,8 @@ struct ControllerParams {
 };
 
 /// Returns the parameters with every vector at its full size for this robot: empty ones get their defaults, the
-/// posture's target comes from `ready`, an automatic margin is computed.
+/// posture's target comes from `ready`, an automatic margin is computed. Rows that know braking begin where the base
+/// can still stop.
 ControllerParams resolved(ControllerParams params, const RobotModel& model);
 
 /// An error in parameters or, as a warning, a doubtful value; `key` is dotted as in the files.

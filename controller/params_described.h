@@ -103,7 +103,7 @@ constexpr void describe(auto& v, Of<CollisionParams>) {
   v.member("floor", &T::floor, {.text = "rows against the floor"});
   v.member("self", &T::self, {.text = "rows between the robot's own shapes"});
   v.optional("braking", &T::braking, &BrakingParams::enabled, Off::kOmitted,
-             "rows bound speeds by those from which the robot can still stop");
+             "rows bound speeds by those from which the robot can still stop, and begin where its base can");
   v.member("relaxation", &T::relaxation, unless_default({.text = "relaxation of rows that contradict each other"}));
   v.optional("check", &T::check, &BrakeCheckParams::enabled, Off::kOmitted,
              "check ahead: scales down commands whose backup trajectory comes too near to objects at rest");

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "controller/map/gaze.h"
-#include "controller/safe/braking.h"
 
 namespace moma {
 namespace {
@@ -57,7 +56,7 @@ MotionLimits::MotionLimits(const RobotModel& model, const ControllerParams& para
     lever[i] = lever_of(model, joint);
   }
   const double fast = plan.speed * wheels_part(model.base);
-  linear = fast * stoppable_base_speed(model, params.collision);
+  linear = fast * model.base.max_linear;
   angular = fast * model.base.max_angular;
   if (model.base.wheels && base->nonholonomic()) {
     rim_speed = plan.speed * model.base.wheels->radius * model.base.wheels->max_speed;

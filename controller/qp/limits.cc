@@ -160,11 +160,11 @@ double sight_speed(const SightParams& sight, const RobotModel& model, double dec
 }
 
 double bounded_speed(const RobotModel& model, const ControllerParams& params) noexcept {
-  const double foreseen = stoppable_base_speed(model, params.collision);
-  if (!params.sight.enabled || model.base_dof() == 0) return foreseen;
+  const double fastest = model.base.max_linear;
+  if (!params.sight.enabled || model.base_dof() == 0) return fastest;
   // Each of two linear velocities has its share.
   const double part = std::sqrt(1.0 / kind_of(model.base.type).num_linear());
-  return std::min(foreseen, part * sight_speed(params.sight, model, params.acceleration_limit[0]));
+  return std::min(fastest, part * sight_speed(params.sight, model, params.acceleration_limit[0]));
 }
 
 LinearPair VelocityBounds::linear_pair(const VectorX& qdot) const noexcept {

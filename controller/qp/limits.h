@@ -77,8 +77,8 @@ class VelocityBounds {
 /// at `range`: v t + v^2/(2a) + speed (t + v/a) = range - reach. At most the robot's own speed; 0 without a solution.
 double sight_speed(const SightParams& sight, const RobotModel& model, double deceleration) noexcept;
 
-/// Returns the largest magnitude that the bounds allow each linear velocity of the base: the robot's,
-/// stoppable_base_speed() and its share of sight_speed() [m/s].
+/// Returns the largest magnitude that the bounds allow each linear velocity of the base: the robot's, and its share of
+/// sight_speed() [m/s].
 double bounded_speed(const RobotModel& model, const ControllerParams& params) noexcept;
 
 /// Returns q_s per joint: min(0.3, a quarter of the range) if it is `automatic`, else the given one. Infinite joints

@@ -33,13 +33,6 @@ void Deceleration::stopping_times(const VectorX& u, VectorX& times) const noexce
   if (pair_) times[0] = times[1] = std::hypot(u[0], u[1]) / acceleration_[0];
 }
 
-double stoppable_base_speed(const RobotModel& model, const CollisionParams& params) noexcept {
-  const double most = model.base.max_linear;
-  if (model.base_dof() == 0 || !params.braking.enabled || !params.object.enabled) return most;
-  const double room = params.object.influence - params.object.stop;
-  return std::min(most, stoppable_speed(room, model.base.max_acceleration[0], params.braking.reaction));
-}
-
 double stoppable_speed(double room, double deceleration, double reaction) noexcept {
   if (!(room > 0.0)) return 0.0;
   if (std::isinf(deceleration)) return reaction > 0.0 ? room / reaction : deceleration;

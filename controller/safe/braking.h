@@ -31,8 +31,4 @@ class Deceleration {
 /// v^2/(2 a) = room. 0 without room; infinite for infinite deceleration.
 double stoppable_speed(double room, double deceleration, double reaction) noexcept;
 
-/// Speed from which a base stops between the distances `influence` and `stop` of its rows, braking with its drive after
-/// `reaction`; at most its own maximum [m/s]. Its own maximum without rows that know braking.
-double stoppable_base_speed(const RobotModel& model, const CollisionParams& params) noexcept;
-
 }  // namespace moma

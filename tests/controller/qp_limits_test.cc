@@ -186,31 +186,31 @@ TEST(Limits, DampersOfAPrismaticJointAreShortInProportionToItsRange) {
   EXPECT_NEAR(bounds_at(law, 0.15, model, 1).high, (0.15 - 0.1) / 0.8, 1e-12) << "a revolute one has them as they are";
 }
 
-// Braking at full from there on, after the reaction, it stands where its rows' stop is.
-TEST(Limits, ABaseIsNoFasterThanItsRowsForesee) {
+// From its full speed at the distance at which rows begin, braking at full after the reaction, a base stands at their
+// stop. Nearer to objects the damper is the configured one.
+TEST(Limits, RowsBeginWhereABaseCanStillStop) {
   ControllerParams p;
   p.collision.braking.enabled = true;
   p.collision.braking.reaction = 0.1;
-  p.collision.object.influence = 0.3;
-  p.collision.object.stop = 0.05;
+  p.collision.object = {true, 0.3, 0.05, 0.6};
+  int widened = 0;
   for (const auto& model : built_robots()) {
-    const ControllerParams full = resolved(p, *model);
-    const double speed = stoppable_base_speed(*model, full.collision);
-    const VectorX all = VelocityBounds(*model, full, 0.02).speed();
-    for (int i = 0; i + 1 < model->base_dof(); ++i) EXPECT_EQ(all[i], std::min(speed, model->velocity_limits()[i]));
-    EXPECT_EQ(bounded_speed(*model, full), speed) << model->name;
-    if (model->base_dof() == 0) continue;
-    double way = 0.1 * speed;
+    const DamperParams rows = resolved(p, *model).collision.object;
+    if (model->base_dof() == 0) {
+      EXPECT_EQ(rows.influence, 0.3) << model->name;
+      continue;
+    }
+    double way = 0.1 * model->base.max_linear;
     constexpr double h = 1e-5;
-    for (double v = speed; v > 0.0; v -= model->base.max_acceleration[0] * h) way += h * v;
-    if (speed < model->base.max_linear)
-      EXPECT_NEAR(way, 0.25, 1e-4) << model->name;
-    else
-      EXPECT_LE(way, 0.25 + 1e-4) << model->name;
-    p.collision.braking.enabled = false;
-    EXPECT_EQ(stoppable_base_speed(*model, p.collision), model->base.max_linear);
-    p.collision.braking.enabled = true;
+    for (double v = model->base.max_linear; v > 0.0; v -= model->base.max_acceleration[0] * h) way += h * v;
+    EXPECT_NEAR(rows.influence - rows.stop, std::max(way, 0.25), 1e-4) << model->name;
+    EXPECT_NEAR(rows.gain / (rows.influence - rows.stop), 0.6 / 0.25, 1e-12) << model->name;
+    widened += rows.influence > 0.3;
+    ControllerParams unaware = p;
+    unaware.collision.braking.enabled = false;
+    EXPECT_EQ(resolved(unaware, *model).collision.object.influence, 0.3) << model->name;
   }
+  EXPECT_GT(widened, 0);
 }
 
 TEST(Limits, DampersOfBothEndsThatCrossBecomeTheirMean) {
