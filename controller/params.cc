@@ -158,8 +158,8 @@ class Checker {
   void plan() {
     const SearchParams& s = p_.plan.search;
     if (!(p_.plan.decisions.wait < p_.plan.decisions.meet)) error("plan.decisions.wait", "must be below meet");
-    if (s.tucked + s.between + s.near_goal + s.near_start > 1.0)
-      error("plan.search", "the shares tucked, between, near_goal and near_start must not exceed 1 together");
+    if (s.between + s.near_goal + s.near_start > 1.0)
+      error("plan.search", "the shares between, near_goal and near_start must not exceed 1 together");
     if (s.base_alone + s.arm_alone > 1.0)
       error("plan.search", "the shares base_alone and arm_alone must not exceed 1 together");
   }

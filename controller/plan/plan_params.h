@@ -75,7 +75,7 @@ constexpr void describe(auto& v, Of<WholeBodyIkParams>) {
 struct SearchParams {
   double step = 0.8, arm_step = 0.25, least_step = 0.05;
   int from_goal = 2;
-  double tucked = 0.45, between = 0.2, near_goal = 0.15, near_start = 0.1;
+  double between = 0.2, near_goal = 0.15, near_start = 0.1;
   double reach = 0.6;
   double hand_moves = 0.3, hand_step = 0.1;
   double hand_back = 0.25, hand_axes = 0.35;
@@ -96,7 +96,6 @@ constexpr void describe(auto& v, Of<SearchParams>) {
   v.member("arm_step", &T::arm_step, positive("m", "longest step of a tree of a fixed arm"));
   v.member("least_step", &T::least_step, non_negative("m", "shorter free parts of a step are left out"));
   v.member("from_goal", &T::from_goal, in_range({1.0, 100.0}, "", "nodes of the goals' tree for each of the start's"));
-  v.member("tucked", &T::tucked, share("share of samples of a driving robot with its arm tucked"));
   v.member("between", &T::between, share("share of samples with the arm between start and goal"));
   v.member("near_goal", &T::near_goal, share("share of samples near a goal configuration"));
   v.member("near_start", &T::near_start, share("share of samples with the base near the start"));

@@ -362,8 +362,7 @@ void Planner::begin_run() noexcept {
   const bool goes_on = goes_on_ && run_ == 1 && std::any_of(goals.begin(), goals.end(), rooted);
   if (!goes_on)
     for (GoalConfiguration& goal : goals_) goal.rooted = false;
-  search_.begin({start_, X_WG_.translation().head<2>(), goals, effort_ * params_.roots, &tuck_, beyond(), longest_},
-                goes_on);
+  search_.begin({start_, X_WG_.translation().head<2>(), goals, effort_ * params_.roots, beyond(), longest_}, goes_on);
   stage_ = PlanStage::kSearch;
 }
 

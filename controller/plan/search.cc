@@ -22,12 +22,12 @@ int Tree::nearest(const WholeConfiguration& c) const noexcept {
 namespace {
 
 constexpr int kNodes = 3000;
-// Cumulative shares of samples: the arm tucked, the arm between start and goal, near a goal, the base near the start.
-// The rest is drawn freely.
+// Cumulative shares of samples: the arm between start and goal, near a goal, the base near the start. The rest is drawn
+// freely.
 struct SampleKinds {
-  double tucked, between, near_goal, near_start;
+  double between, near_goal, near_start;
 };
-constexpr SampleKinds kBolted{0.0, 0.1, 0.3, 0.3};
+constexpr SampleKinds kBolted{0.1, 0.3, 0.3};
 constexpr double kUprightStep = 0.5;  // longest step of a joint where the tool stays upright [rad]
 constexpr double kShortWay = 0.05;    // shorter steps keep their heading [m]
 constexpr int kBlocked = 2;           // cost of a search in a tree, in checks
@@ -291,8 +291,8 @@ bool Search::sample_part(const FreeSpace& space, CountedDraws& draws, WholeConfi
 void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfiguration& c) const noexcept {
   const bool mobile = limits_->mobile();
   const SearchParams& p = params_;
-  const double between = p.tucked + p.between, near_goal = between + p.near_goal;
-  const SampleKinds kinds = mobile ? SampleKinds{p.tucked, between, near_goal, near_goal + p.near_start} : kBolted;
+  const double near_goal = p.between + p.near_goal;
+  const SampleKinds kinds = mobile ? SampleKinds{p.between, near_goal, near_goal + p.near_start} : kBolted;
   constexpr int kTries = 10;
   const int joints = limits_->num_joints();
   c = task_.start;
@@ -308,10 +308,7 @@ void Search::sample(const FreeSpace& space, CountedDraws& draws, WholeConfigurat
   }
   const double kind = draws.uniform();
   const WholeConfiguration& goal = task_.goals[draws.choice(task_.goals.size())].c;
-  if (kind < kinds.tucked) {
-    c.tail(joints) = *task_.tuck;
-    space.unwind(c);
-  } else if (kind < kinds.between) {
+  if (kind < kinds.between) {
     const double f = draws.uniform();
     c.tail(joints) += f * (goal - task_.start).tail(joints);
   } else if (kind < kinds.near_goal) {

@@ -74,7 +74,6 @@ struct SearchTask {
   Vector2 goal_W = Vector2::Zero();    ///< horizontal position of the goal
   std::span<GoalConfiguration> goals;  ///< the cheapest first; samples are drawn near all of them
   int roots = 0;                       ///< the first of them become roots of the goals' tree
-  const VectorX* tuck = nullptr;       ///< joint values of a tucked arm (tuck.h)
   double beyond = 1.5;                 ///< samples' bases lie at most this far beyond start and goal [m]
   double longest = kInfinity;          ///< longest way of the base through a sample to the goal [m]
 };
@@ -84,13 +83,13 @@ struct SearchTask {
 /// that is blocked goes as far as it is free; the tree from the goals, which lie in narrow places more often, may have
 /// twice as many nodes. If the hand at its goal is close to an object, a share of the steps translates the hand without
 /// turning it, since no other motion leads out of a gap between plates. A robot that drives then also moves its base or
-/// its arm alone, since nearly all steps of both are blocked. Other samples have the arm tucked, between the start's
-/// and a goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
+/// its arm alone, since nearly all steps of both are blocked. Other samples have the arm between the start's and a
+/// goal's, near a goal, or anyhow. Work is cut into pieces of one edge.
 class Search {
  public:
   Search(const MotionLimits& limits, const SearchParams& params, double check_step);
 
-  /// Spans and pointers of `task` must outlive the search. With `goes_on` the goals' tree of the last search stays;
+  /// The span of `task` must outlive the search. With `goes_on` the goals' tree of the last search stays;
   /// goals and clearances must be the same.
   void begin(const SearchTask& task, bool goes_on = false);
   /// Does one piece of work. kNone if a tree is full.

@@ -238,7 +238,7 @@ TEST(Rest, JointsComeToRestWhereConstantDecelerationTakesThem) {
 }
 
 TEST_P(Ahead, AChoiceDoesNotDependOnTheBudget) {
-  const Scene scene = !model->mobile() ? make_scene(model, 1, 12) : behind_a_wall(model, 2);
+  const Scene scene = !model->mobile() ? make_scene(model, 1, 12) : behind_a_wall(model, 3);
   const ControllerParams params = read_params(*model, true);
   Choice choice(model, params);
   const Observation o = Loop(model, params, scene).o;
