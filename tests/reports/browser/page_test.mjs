@@ -221,10 +221,10 @@ const clickMark = async (page, id) => {
 // ---- odd stores -------------------------------------------------------------------------------------------------------
 for (const [kind, worlds] of [['empty', 0], ['failures', 16]]) {
   const { context, page } = await open(makePage(kind, worlds), { near: true });
-  await figuresFollow(page);
   for (const width of [1280, 390]) {
     await page.setViewportSize({ width, height: 900 });
     await page.waitForFunction((wanted) => innerWidth === wanted, width);
+    await figuresFollow(page);
     await noOverflow(page, `${kind}, ${width}`);
   }
   const text = await page.locator('#app').innerText();
