@@ -174,8 +174,8 @@ class Checker {
   std::vector<ParamsIssue> issues_;
 };
 
-// Rows that know braking begin where a base at its full speed can still stop. Up to the configured distance they are as
-// configured.
+// Lets rows begin where a base at its full speed can still stop: v t + v^2/(2 a) before their stop, of which
+// stoppable_speed() is the inverse. Up to the configured distance they are as configured.
 void widen(DamperParams& rows, const BrakingParams& braking, const MobileBase& base) {
   const double v = base.max_linear;
   const double range = rows.stop + v * (braking.reaction + 0.5 * v / base.max_acceleration.x());
@@ -203,9 +203,8 @@ ControllerParams resolved(ControllerParams p, const RobotModel& model) {
     const double most = model.joint(i).acceleration;
     if (std::isfinite(most)) p.acceleration_limit[model.base_dof() + i] = p.joint_share * most;
   }
-  const CollisionParams& collision = p.collision;
-  if (model.base_dof() > 0 && collision.braking.enabled && collision.object.enabled)
-    widen(p.collision.object, collision.braking, model.base);
+  if (model.base_dof() > 0 && p.collision.braking.enabled && p.collision.object.enabled)
+    widen(p.collision.object, p.collision.braking, model.base);
   p.joint_limits.margin.value = resolve_margin(model, p.joint_limits.margin);
   if (p.posture.target.ready) p.posture.target.value = model.ready;
   return p;

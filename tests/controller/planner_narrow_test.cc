@@ -232,7 +232,6 @@ double miss(const Planner& planner, const Scene& scene, Kinematics& kinematics) 
   return (kinematics.X_WE().translation() - scene.X_WG.translation()).norm();
 }
 
-// An object is measured where the hand would be, so that nothing holds the goal itself.
 // Puts a ball less than a millimetre from the hand at its goal.
 void put_ball_at_hand(FreeSpace& space, Scene& scene) {
   scene.shapes.push_back({"ball", make_sphere(0.03)});
@@ -245,6 +244,7 @@ void put_ball_at_hand(FreeSpace& space, Scene& scene) {
   }
 }
 
+// An object is measured where the hand would be, so that nothing holds the goal itself.
 TEST(Planner, AGoalThatNothingHoldsIsMissedWithinItsTolerances) {
   const auto model = load_model("configs/robots/panda.yaml");
   ControllerParams params = close_params(*model, 20000);

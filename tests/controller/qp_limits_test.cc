@@ -195,7 +195,11 @@ TEST(Limits, RowsBeginWhereABaseCanStillStop) {
   p.collision.object = {true, 0.3, 0.05, 0.6};
   int widened = 0;
   for (const auto& model : built_robots()) {
-    const DamperParams rows = resolved(p, *model).collision.object;
+    const ControllerParams full = resolved(p, *model);
+    const DamperParams& rows = full.collision.object;
+    const VectorX all = VelocityBounds(*model, full, 0.02).speed();
+    for (int i = 0; i + 1 < model->base_dof(); ++i) EXPECT_EQ(all[i], model->velocity_limits()[i]) << model->name;
+    EXPECT_EQ(bounded_speed(*model, full), model->base.max_linear) << model->name;
     if (model->base_dof() == 0) {
       EXPECT_EQ(rows.influence, 0.3) << model->name;
       continue;

@@ -106,8 +106,8 @@ TEST(OdePlant, MotorsOfTheUr5HoldItsAccelerations) {
       for (int j = 0; j < 6; ++j) {
         world.start.q[n - 6 + j] += draws.uniform(-0.2, 0.2);
         const bool lifts = j >= 1 && j <= 3;
-        change[change.size() - 6 + j] = (lifts || draws.uniform(-1.0, 1.0) < 0.0 ? -0.02 : 0.02) *
-                                        model->joints[static_cast<std::size_t>(n - 6 + j)].acceleration;
+        const double direction = lifts || draws.uniform(-1.0, 1.0) < 0.0 ? -1.0 : 1.0;
+        change[change.size() - 6 + j] = direction * 0.02 * model->joint(n - 6 + j).acceleration;
       }
       const auto plant = make_plant(model, world, kDynamicMode);
       PlantReport report;
